@@ -1,0 +1,1 @@
+"""The cycle, its configuration, its journal and report, the command line."""

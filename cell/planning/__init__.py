@@ -1,0 +1,1 @@
+"""Collision-checked motions for a pick."""

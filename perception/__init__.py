@@ -1,0 +1,1 @@
+"""Images in, poses out: pure functions, no device, no clock."""
