@@ -1,0 +1,1 @@
+"""A RAPID interpreter: source in, tasks that run on the loop's time out."""

@@ -1,0 +1,1 @@
+"""The built-in instructions and functions; importing this registers them all."""
