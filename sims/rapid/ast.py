@@ -79,7 +79,7 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class StringLiteral:
-    """Doubled quotes and ``\\HH`` are resolved; characters are Latin-1."""
+    r"""Doubled quotes and ``\HH`` are resolved; characters are Latin-1."""
 
     at: Place
     value: str
@@ -148,7 +148,7 @@ class Binary:
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """``value``, ``\\name``, ``\\name:=value`` or ``\\name?condition``.
+    r"""``value``, ``\name``, ``\name:=value`` or ``\name?condition``.
 
     ``name`` is None for a required argument. ``condition`` names the caller's own optional
     parameter: the argument is given if that one is present, with its value. A required argument
@@ -408,9 +408,9 @@ class AliasDecl:
 
 @dataclass(frozen=True, slots=True)
 class Param:
-    """A parameter. ``type`` is ``switch`` for a switch; ``rank`` counts the ``*`` in ``{*}``.
+    r"""A parameter. ``type`` is ``switch`` for a switch; ``rank`` counts the ``*`` in ``{*}``.
 
-    Optional parameters that exclude each other (``\\a | \\b``) share a ``group`` number, which
+    Optional parameters that exclude each other (``\a | \b``) share a ``group`` number, which
     no other parameter of the routine has.
     """
 
