@@ -26,7 +26,17 @@ from typing import Any, Protocol, TypeVar
 
 from sims.rapid.host import Host
 
-__all__ = ["BUILTINS", "Builtin", "Legal", "Ref", "TaskContext", "TaskKind", "builtin"]
+__all__ = [
+    "BUILTINS",
+    "OPAQUE",
+    "Builtin",
+    "Legal",
+    "Ref",
+    "TaskContext",
+    "TaskKind",
+    "builtin",
+    "opaque",
+]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -51,10 +61,14 @@ class Legal(StrEnum):
 
 
 class Ref(Protocol):
-    """A data object, or an element or component of one."""
+    """A data object, or an element or component of one.
+
+    ``type`` is the declared name in lower case, ``base`` the same with aliases resolved.
+    """
 
     name: str
     type: str
+    base: str
     rank: int
 
     def get(self) -> Any:
@@ -102,3 +116,14 @@ def builtin(declaration: str, legal: Legal = Legal.ANYWHERE) -> Callable[[F], F]
         return call
 
     return add
+
+
+OPAQUE: dict[str, Callable[[], Any] | None] = {}
+
+
+def opaque(type_name: str, make: Callable[[], Any] | None = None) -> None:
+    """Add a type that RAPID cannot look into, such as ``clock``.
+
+    A new variable of it holds what ``make`` returns, or None.
+    """
+    OPAQUE[type_name.lower()] = make
