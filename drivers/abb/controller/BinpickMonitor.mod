@@ -1,0 +1,468 @@
+MODULE BinpickMonitor
+    ! The monitor task: runs on when the program is stopped. It tells the state, stops the arm,
+    ! serves the signals, and watches the client, the stops and the motion task.
+    ! A path that was stopped is held until the motion task has cleared it.
+
+    CONST num BP_WAITS := 4;
+    ! Demand again what the motion task has not obeyed (s).
+    CONST num BP_REMIND := 0.2;
+    ! Time is kept in turns, so that a num stays exact (s).
+    CONST num BP_TURN := 64;
+
+    VAR socketdev bpMonitorListener;
+    VAR socketdev bpMonitorClient;
+    VAR rawbytes bpMonitorData;
+    VAR bool bpIsHeld := FALSE;
+    VAR num bpStopSeq := 0;         ! a stop that waits for its answer; 0: none
+
+    VAR clock bpClock;
+    VAR num bpTurns := 0;
+    VAR num bpBase := 0;
+    VAR num bpNow := 0;
+    VAR num bpHeard := 0;
+    VAR num bpStateDue := 0;
+    VAR num bpRemindDue := 0;
+
+    VAR num wSeq{BP_WAITS};
+    VAR num wBit{BP_WAITS};
+    VAR bool wIsOutput{BP_WAITS};
+    VAR num wValue{BP_WAITS};
+    VAR num wDue{BP_WAITS};
+
+    PROC main()
+        bpHasMonitor := FALSE;
+        ClkReset bpClock;
+        ClkStart bpClock;
+        BpDropMonitor BP_CLIENT_GONE;
+        WHILE TRUE DO
+            BpAwaitMonitor;
+            IF bpHasMonitor THEN
+                BpDropMonitor BpServeMonitor();
+            ENDIF
+        ENDWHILE
+    ENDPROC
+
+    ! Connections ------------------------------------------------------------------------------
+
+    PROC BpAwaitMonitor()
+        VAR string peer;
+        VAR bool isHere;
+
+        WHILE NOT BpListen(bpMonitorListener, BP_MONITOR_PORT) DO
+            BpWatch;
+            WaitTime 0.5;
+        ENDWHILE
+        WHILE NOT isHere DO
+            isHere := BpComes(peer);
+            BpReadClock;
+            BpWatch;
+        ENDWHILE
+        IF BpMayConnect(peer) THEN
+            SocketClose bpMonitorListener;
+            bpEpoch := bpEpoch + 1;
+            IF bpEpoch > BP_MAX_COUNT bpEpoch := 1;
+            bpHasMonitor := TRUE;
+        ELSE
+            TPWrite "binpick: refused " + peer;
+            SocketClose bpMonitorClient;
+            SocketClose bpMonitorListener;
+        ENDIF
+    ENDPROC
+
+    FUNC bool BpComes(INOUT string peer)
+        SocketAccept bpMonitorListener, bpMonitorClient \ClientAddress:=peer \Time:=0.05;
+        RETURN TRUE;
+    ERROR
+        RETURN FALSE;
+    ENDFUNC
+
+    ! The client is lost: so is the right to move.
+    PROC BpDropMonitor(num reason)
+        bpHasMonitor := FALSE;
+        SocketClose bpMonitorClient;
+        SocketClose bpMonitorListener;
+        FOR i FROM 1 TO BP_WAITS DO
+            wSeq{i} := 0;
+        ENDFOR
+        bpStopSeq := 0;
+        BpHoldPath reason;
+    ENDPROC
+
+    ! Serves until the client goes; returns the reason.
+    FUNC num BpServeMonitor()
+        VAR num kind;
+        VAR num seq;
+        VAR num wrong;
+        VAR bool isGreeted := FALSE;
+
+        BpReadClock;
+        bpHeard := bpNow;
+        bpStateDue := bpNow;
+        WHILE TRUE DO
+            kind := -1;
+            wrong := 0;
+            wrong := BpReceive(bpMonitorClient, bpMonitorData, kind, seq, 0.01);
+            BpReadClock;
+            IF wrong <> 0 THEN
+                BpRefuse bpMonitorClient, bpMonitorData, seq, wrong, 0;
+                RETURN BP_CLIENT_GONE;
+            ENDIF
+            IF kind >= 0 THEN
+                bpHeard := bpNow;
+                IF NOT isGreeted THEN
+                    isGreeted := BpGreetMonitor(kind, seq);
+                    IF NOT isGreeted RETURN BP_CLIENT_GONE;
+                ELSE
+                    BpObeyMonitor kind, seq;
+                ENDIF
+            ELSEIF bpNow - bpHeard > BP_WATCHDOG THEN
+                RETURN BP_CLIENT_SILENT;
+            ENDIF
+            BpWatch;
+            IF isGreeted BpTell;
+        ENDWHILE
+    ERROR
+        IF ERRNO = ERR_SOCK_TIMEOUT AND kind < 0 TRYNEXT;
+        RETURN BP_CLIENT_GONE;
+    ENDFUNC
+
+    FUNC bool BpGreetMonitor(num kind, num seq)
+        IF kind <> BP_HELLO OR RawBytesLen(bpMonitorData) <> 6 THEN
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_NOT_PAIRED, 0;
+            RETURN FALSE;
+        ENDIF
+        IF BpByte(bpMonitorData, 1) <> BP_MAJOR THEN
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_BAD_VERSION, 0;
+            RETURN FALSE;
+        ENDIF
+        BpBegin bpMonitorData, BP_WELCOME, seq;
+        BpAdd bpMonitorData, BP_MAJOR \Byte;
+        BpAdd bpMonitorData, BP_MINOR \Byte;
+        BpAdd bpMonitorData, bpEpoch \Long;
+        BpAdd bpMonitorData, BP_QUEUE \Word;
+        BpAdd bpMonitorData, BP_WATCHDOG * 1000 \Word;
+        BpSend bpMonitorClient, bpMonitorData;
+        RETURN TRUE;
+    ENDFUNC
+
+    PROC BpObeyMonitor(num kind, num seq)
+        TEST kind
+        CASE BP_PING:
+            ! Having been heard is all.
+        CASE BP_ASK_STATE:
+            BpSendState seq;
+        CASE BP_STOP:
+            BpHoldPath BP_STOP_ORDERED;
+            IF bpStopSeq <> 0 BpAccept bpMonitorClient, bpMonitorData, bpStopSeq, 0;
+            bpStopSeq := seq;
+        CASE BP_IDENTIFY:
+            BpSendIdentity seq;
+        CASE BP_ASK_SIGNALS:
+            BpSendSignals seq;
+        CASE BP_WRITE:
+            BpDoWrite seq;
+        CASE BP_PULSE:
+            BpDoPulse seq;
+        CASE BP_WAIT:
+            BpBeginWait seq;
+        DEFAULT:
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_UNKNOWN, 0;
+        ENDTEST
+    ENDPROC
+
+    ! Time -------------------------------------------------------------------------------------
+
+    PROC BpReadClock()
+        bpNow := bpBase + ClkRead(bpClock \HighRes);
+        IF bpNow > BP_TURN THEN
+            bpBase := bpNow - BP_TURN;
+            ClkReset bpClock;
+            ClkStart bpClock;
+            bpNow := bpBase;
+            bpTurns := (bpTurns + 1) MOD 65536;
+            bpHeard := bpHeard - BP_TURN;
+            bpStateDue := bpStateDue - BP_TURN;
+            bpRemindDue := bpRemindDue - BP_TURN;
+            FOR i FROM 1 TO BP_WAITS DO
+                wDue{i} := wDue{i} - BP_TURN;
+            ENDFOR
+        ENDIF
+    ENDPROC
+
+    ! Stopping ---------------------------------------------------------------------------------
+
+    ! Brakes on the path, and demands that it is cleared.
+    PROC BpHoldPath(num reason)
+        bpHold := reason;
+        IF NOT bpIsHeld THEN
+            bpIsHeld := TRUE;
+            StopMove \Quick \AllMotionTasks;
+        ENDIF
+        BpDemand;
+    ERROR
+        TRYNEXT;
+    ENDPROC
+
+    PROC BpDemand()
+        bpStopTick := bpStopTick + 1;
+        IF bpStopTick > BP_MAX_COUNT bpStopTick := 1;
+        bpRemindDue := bpNow + BP_REMIND;
+    ENDPROC
+
+    ! What forbids motion now.
+    FUNC num BpForbidden()
+        IF doBpEmStop = 1 RETURN BP_EMERGENCY_STOP;
+        IF doBpRunchainOk = 0 RETURN BP_PROTECTIVE_STOP;
+        IF doBpMotorOn = 0 RETURN BP_MOTORS_OFF;
+        IF OpMode() <> OP_AUTO RETURN BP_NOT_IN_AUTO;
+        IF doBpExecuting = 0 RETURN BP_PROGRAM_STOPPED;
+        RETURN 0;
+    ENDFUNC
+
+    PROC BpWatch()
+        VAR num reason;
+
+        reason := BpForbidden();
+        IF reason <> 0 THEN
+            IF bpHold <> reason BpHoldPath reason;
+            IF doBpStill = 1 BpAnswerStop;
+        ELSEIF bpHold <> 0 THEN
+            IF bpClearedTick = bpStopTick THEN
+                IF doBpStill = 1 BpRelease;
+            ELSEIF bpNow > bpRemindDue THEN
+                BpDemand;
+            ENDIF
+        ENDIF
+    ENDPROC
+
+    ! The path is empty and the arm stands: a new motion may come.
+    PROC BpRelease()
+        IF bpIsHeld StartMove \AllMotionTasks;
+        bpIsHeld := FALSE;
+        bpHold := 0;
+        BpAnswerStop;
+    ERROR
+        ! Not yet: it is tried again.
+        RETURN;
+    ENDPROC
+
+    PROC BpAnswerStop()
+        IF bpStopSeq <> 0 BpAccept bpMonitorClient, bpMonitorData, bpStopSeq, 0;
+        bpStopSeq := 0;
+    ENDPROC
+
+    ! Telling ----------------------------------------------------------------------------------
+
+    ! What is due: the state, and the ends of waits.
+    PROC BpTell()
+        IF bpNow >= bpStateDue THEN
+            bpStateDue := bpStateDue + BP_STATE_PERIOD;
+            IF bpStateDue < bpNow bpStateDue := bpNow + BP_STATE_PERIOD;
+            BpSendState 0;
+        ENDIF
+        FOR i FROM 1 TO BP_WAITS DO
+            IF wSeq{i} <> 0 BpLookAtWait i;
+        ENDFOR
+    ENDPROC
+
+    FUNC num BpFlags()
+        VAR num flags;
+
+        flags := doBpMotorOn + 8 * doBpEmStop + 32 * doBpExecuting;
+        IF OpMode() = OP_AUTO flags := flags + 2;
+        IF OpMode() = OP_MAN_TEST flags := flags + 4;
+        IF doBpRunchainOk = 0 AND doBpEmStop = 0 flags := flags + 16;
+        IF doBpStill = 0 flags := flags + 64;
+        IF bpHasMotion flags := flags + 128;
+        RETURN flags;
+    ENDFUNC
+
+    PROC BpSendState(num seq)
+        VAR jointtarget joints;
+        VAR robtarget place;
+
+        joints := CJointT(\TaskName:="T_ROB1");
+        place := CRobT(\TaskName:="T_ROB1" \Tool:=bpTool \WObj:=wobj0);
+        BpBegin bpMonitorData, BP_STATE, seq;
+        PackRawBytes bpTurns, bpMonitorData \Network, 9 \IntX:=UINT;
+        PackRawBytes bpNow, bpMonitorData \Network, 11 \Float4;
+        PackRawBytes BpFlags(), bpMonitorData \Network, 15 \IntX:=UINT;
+        PackRawBytes bpHold, bpMonitorData \Network, 17 \IntX:=UINT;
+        PackRawBytes bpStopTick, bpMonitorData \Network, 19 \IntX:=DINT;
+        PackRawBytes bpActive, bpMonitorData \Network, 23 \IntX:=DINT;
+        PackRawBytes joints.robax.rax_1, bpMonitorData \Network, 27 \Float4;
+        PackRawBytes joints.robax.rax_2, bpMonitorData \Network, 31 \Float4;
+        PackRawBytes joints.robax.rax_3, bpMonitorData \Network, 35 \Float4;
+        PackRawBytes joints.robax.rax_4, bpMonitorData \Network, 39 \Float4;
+        PackRawBytes joints.robax.rax_5, bpMonitorData \Network, 43 \Float4;
+        PackRawBytes joints.robax.rax_6, bpMonitorData \Network, 47 \Float4;
+        PackRawBytes place.trans.x, bpMonitorData \Network, 51 \Float4;
+        PackRawBytes place.trans.y, bpMonitorData \Network, 55 \Float4;
+        PackRawBytes place.trans.z, bpMonitorData \Network, 59 \Float4;
+        PackRawBytes place.rot.q1, bpMonitorData \Network, 63 \Float4;
+        PackRawBytes place.rot.q2, bpMonitorData \Network, 67 \Float4;
+        PackRawBytes place.rot.q3, bpMonitorData \Network, 71 \Float4;
+        PackRawBytes place.rot.q4, bpMonitorData \Network, 75 \Float4;
+        PackRawBytes BpInputs(), bpMonitorData \Network, 79 \IntX:=UINT;
+        PackRawBytes BpOutputs(), bpMonitorData \Network, 81 \IntX:=UINT;
+        BpSend bpMonitorClient, bpMonitorData;
+    ENDPROC
+
+    PROC BpSendIdentity(num seq)
+        BpBegin bpMonitorData, BP_IDENTITY, seq;
+        BpAddText bpMonitorData, GetSysInfo(\RobotType);
+        BpAddText bpMonitorData, GetSysInfo(\SerialNo);
+        BpAddText bpMonitorData, GetSysInfo(\SWVersion);
+        BpSend bpMonitorClient, bpMonitorData;
+    ENDPROC
+
+    ! Signals ----------------------------------------------------------------------------------
+
+    ! These four are where the cell's signals stand.
+    FUNC num BpInputs()
+        RETURN di1 + 2 * di2 + 4 * di3 + 8 * di4 + 16 * di5 + 32 * di6 + 64 * di7 + 128 * di8;
+    ENDFUNC
+
+    FUNC num BpOutputs()
+        RETURN do1 + 2 * do2 + 4 * do3 + 8 * do4 + 16 * do5 + 32 * do6 + 64 * do7 + 128 * do8;
+    ENDFUNC
+
+    PROC BpWrite(num which, num value)
+        TEST which
+        CASE 1:
+            SetDO do1, value;
+        CASE 2:
+            SetDO do2, value;
+        CASE 3:
+            SetDO do3, value;
+        CASE 4:
+            SetDO do4, value;
+        CASE 5:
+            SetDO do5, value;
+        CASE 6:
+            SetDO do6, value;
+        CASE 7:
+            SetDO do7, value;
+        CASE 8:
+            SetDO do8, value;
+        ENDTEST
+    ENDPROC
+
+    PROC BpPulse(num which, num length)
+        TEST which
+        CASE 1:
+            PulseDO \High \PLength:=length, do1;
+        CASE 2:
+            PulseDO \High \PLength:=length, do2;
+        CASE 3:
+            PulseDO \High \PLength:=length, do3;
+        CASE 4:
+            PulseDO \High \PLength:=length, do4;
+        CASE 5:
+            PulseDO \High \PLength:=length, do5;
+        CASE 6:
+            PulseDO \High \PLength:=length, do6;
+        CASE 7:
+            PulseDO \High \PLength:=length, do7;
+        CASE 8:
+            PulseDO \High \PLength:=length, do8;
+        ENDTEST
+    ENDPROC
+
+    PROC BpSendSignals(num seq)
+        BpBegin bpMonitorData, BP_SIGNALS, seq;
+        BpAdd bpMonitorData, Dim(BP_INPUTS, 1) \Byte;
+        BpAdd bpMonitorData, Dim(BP_OUTPUTS, 1) \Byte;
+        FOR i FROM 1 TO Dim(BP_INPUTS, 1) DO
+            BpAddText bpMonitorData, BP_INPUTS{i};
+        ENDFOR
+        FOR i FROM 1 TO Dim(BP_OUTPUTS, 1) DO
+            BpAddText bpMonitorData, BP_OUTPUTS{i};
+        ENDFOR
+        BpSend bpMonitorClient, bpMonitorData;
+    ENDPROC
+
+    ! Which output, value 0 or 1.
+    PROC BpDoWrite(num seq)
+        VAR num which;
+        VAR num value;
+
+        IF RawBytesLen(bpMonitorData) <> 2 THEN
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_BAD_LENGTH, 0;
+            RETURN;
+        ENDIF
+        which := BpByte(bpMonitorData, 1);
+        value := BpByte(bpMonitorData, 2);
+        IF which < 1 OR which > Dim(BP_OUTPUTS, 1) OR value > 1 THEN
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_NO_SIGNAL, 0;
+            RETURN;
+        ENDIF
+        BpWrite which, value;
+        BpAccept bpMonitorClient, bpMonitorData, seq, 0;
+    ENDPROC
+
+    ! Which output, length (s).
+    PROC BpDoPulse(num seq)
+        VAR num which;
+        VAR num length;
+
+        IF RawBytesLen(bpMonitorData) <> 5 THEN
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_BAD_LENGTH, 0;
+            RETURN;
+        ENDIF
+        which := BpByte(bpMonitorData, 1);
+        length := BpFloat(bpMonitorData, 2);
+        IF which < 1 OR which > Dim(BP_OUTPUTS, 1) THEN
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_NO_SIGNAL, 0;
+        ELSEIF NOT (length >= 0.001 AND length <= 2000) THEN
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_BAD_ARGUMENT, 0;
+        ELSE
+            BpPulse which, length;
+            BpAccept bpMonitorClient, bpMonitorData, seq, 0;
+        ENDIF
+    ENDPROC
+
+    ! Is it an output, which, value, at most how long (s). Answered when it is so.
+    PROC BpBeginWait(num seq)
+        VAR num at := 0;
+        VAR num which;
+
+        IF RawBytesLen(bpMonitorData) <> 7 THEN
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_BAD_LENGTH, 0;
+            RETURN;
+        ENDIF
+        FOR i FROM 1 TO BP_WAITS DO
+            IF wSeq{i} = 0 at := i;
+        ENDFOR
+        which := BpByte(bpMonitorData, 2);
+        IF at = 0 THEN
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_QUEUE_FULL, 0;
+        ELSEIF which < 1 OR which > Dim(BP_INPUTS, 1) OR NOT BpIsNumber(BpFloat(bpMonitorData, 4)) THEN
+            BpRefuse bpMonitorClient, bpMonitorData, seq, BP_NO_SIGNAL, 0;
+        ELSE
+            wSeq{at} := seq;
+            wIsOutput{at} := BpByte(bpMonitorData, 1) = 1;
+            wBit{at} := Pow(2, which - 1);
+            wValue{at} := BpByte(bpMonitorData, 3);
+            wDue{at} := bpNow + BpFloat(bpMonitorData, 4);
+            BpLookAtWait at;
+        ENDIF
+    ENDPROC
+
+    PROC BpLookAtWait(num at)
+        VAR num bits;
+
+        IF wIsOutput{at} THEN
+            bits := BpOutputs();
+        ELSE
+            bits := BpInputs();
+        ENDIF
+        IF (bits DIV wBit{at}) MOD 2 = wValue{at} THEN
+            BpAccept bpMonitorClient, bpMonitorData, wSeq{at}, 0;
+            wSeq{at} := 0;
+        ELSEIF bpNow > wDue{at} THEN
+            BpRefuse bpMonitorClient, bpMonitorData, wSeq{at}, BP_TIMED_OUT, 0;
+            wSeq{at} := 0;
+        ENDIF
+    ENDPROC
+ENDMODULE

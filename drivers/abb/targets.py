@@ -1,0 +1,69 @@
+"""Targets of ``hal`` as messages."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.abb.messages import AddJoint, AddLinear, Message, Quaternion, Triple
+from drivers.abb.reach import confdata
+from hal import JointTarget, RobotLimits, Target, Transform
+
+__all__ = ["check_target", "pose_numbers", "triple", "wire_targets"]
+
+MAX_TARGETS = 50
+
+
+def check_target(target: Target, limits: RobotLimits) -> None:
+    """Refuse what can be seen to be wrong before anything is sent.
+
+    Raises
+    ------
+    ValueError
+        Joints outside the ranges, speed above the arm's, other frames than base and tcp.
+    """
+    if isinstance(target, JointTarget):
+        limits.check_joints(target.joints_rad)
+        return
+    if target.speed_mps > limits.tcp_speed_mps:
+        raise ValueError(f"speed {target.speed_mps:g} m/s is above {limits.tcp_speed_mps:g} m/s")
+    frames = (target.T_base_tcp.parent, target.T_base_tcp.child)
+    if frames != ("base", "tcp"):
+        raise ValueError(f"a target relates base and tcp, not {frames[0]} and {frames[1]}")
+
+
+def wire_targets(
+    targets: Sequence[Target],
+    joints_rad: Sequence[NDArray[np.float64]],
+    T_object_base: Transform,
+) -> list[Message]:
+    """Return the queue's messages.
+
+    ``joints_rad`` are the joints at each target; ``T_object_base`` takes targets to the work
+    object, in whose frame the controller is told of them.
+    """
+    return [
+        _wire(target, joints, T_object_base)
+        for target, joints in zip(targets, joints_rad, strict=True)
+    ]
+
+
+def _wire(target: Target, joints_rad: NDArray[np.float64], T_object_base: Transform) -> Message:
+    if isinstance(target, JointTarget):
+        a, b, c, d, e, f = (float(q) for q in target.joints_rad)
+        return AddJoint((a, b, c, d, e, f), target.speed, target.zone_m)
+    position_m, quaternion = pose_numbers(T_object_base @ target.T_base_tcp)
+    return AddLinear(position_m, quaternion, confdata(joints_rad), target.speed_mps, target.zone_m)
+
+
+def triple(values: Any) -> Triple:
+    """Three floats of whatever holds three."""
+    x, y, z = (float(v) for v in values)
+    return x, y, z
+
+
+def pose_numbers(pose: Transform) -> tuple[Triple, Quaternion]:
+    """Position and quaternion."""
+    w, i, j, k = (float(v) for v in pose.quaternion_wxyz)
+    return triple(pose.translation_m), (w, i, j, k)

@@ -1,0 +1,45 @@
+"""What a driver is handed instead of a socket."""
+
+from typing import Protocol
+
+__all__ = ["Connector", "Transport"]
+
+
+class Transport(Protocol):
+    """A connected byte stream."""
+
+    async def receive(self, most: int) -> bytes:
+        """At least one byte, at most ``most``; ``b""`` at the end. Cancelling loses nothing.
+
+        Raises
+        ------
+        ConnectionError
+            The stream broke.
+        """
+
+    async def send(self, data: bytes) -> None:
+        """All of it.
+
+        Raises
+        ------
+        ConnectionError
+            The stream is closed or broke.
+        """
+
+    def close(self) -> None:
+        """Both ways; harmless when closed."""
+
+
+class Connector(Protocol):
+    """Opens streams to one controller; ``where`` is its address for people."""
+
+    where: str
+
+    async def connect(self, port: int) -> Transport:
+        """Open a stream.
+
+        Raises
+        ------
+        OSError
+            Refused, unreachable.
+        """
