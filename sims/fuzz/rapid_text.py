@@ -10,11 +10,11 @@ __all__ = ["RapidText"]
 
 LONGEST_S = 2.0
 MAX_BYTES = 4096
-PIECES = """MODULE ENDMODULE PROC ENDPROC FUNC ENDFUNC TRAP ENDTRAP RECORD ENDRECORD IF THEN ELSE
+WORDS = """MODULE ENDMODULE PROC ENDPROC FUNC ENDFUNC TRAP ENDTRAP RECORD ENDRECORD IF THEN ELSE
 ELSEIF ENDIF FOR FROM TO STEP DO ENDFOR WHILE ENDWHILE TEST CASE DEFAULT ENDTEST ERROR UNDO BACKWARD
 CONNECT WITH GOTO RETURN RAISE RETRY TRYNEXT EXIT VAR PERS CONST LOCAL TASK INOUT ALIAS NOT AND OR
-XOR DIV MOD TRUE FALSE num robtarget := ; : , . { } [ ] ( ) \\ \\switch | ? % %% %%% "a" "" "\\0A" .5
-1E9 1E999 <SMT> <EXP> ! * + - / = <> < <= > >= main a b""".split()
+XOR DIV MOD TRUE FALSE num robtarget := ; : , . { } [ ] ( ) \\ \\switch | ? % %% %%% "a" "" "\\0A"
+.5 1E9 1E999 <SMT> <EXP> ! * + - / = <> < <= > >= main a b"""
 
 
 class RapidText:
@@ -39,7 +39,9 @@ class RapidText:
 
     def pieces(self) -> list[bytes]:
         """Words of the language, with and without a blank."""
-        return [piece.encode("latin-1") + end for piece in PIECES for end in (b"", b" ", b"\n")]
+        return [
+            piece.encode("latin-1") + end for piece in WORDS.split() for end in (b"", b" ", b"\n")
+        ]
 
     def run(self, data: bytes) -> None:
         """Parse; every complaint must stand within the text."""
