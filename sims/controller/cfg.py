@@ -170,8 +170,9 @@ def _attributes(at: Place, line: str, found: list[Diagnostic]) -> dict[str, Valu
     while position < length:
         match = _ATTRIBUTE.match(line, position)
         if match is None:
-            where = _where(at, line, position)
-            _note(found, where, f"not understood: {line[position : position + 24].strip()!r}")
+            odd = line[position:].lstrip()
+            where = _where(at, line, len(line) - len(odd))
+            _note(found, where, f"not understood: {odd[:24]!r}")
             break
         position = match.end()
         if match[1] is not None:

@@ -20,7 +20,7 @@ def test_two_errors_never_share_a_number() -> None:
         for d in _data().values()
         if d.type == "errnum" and d.value.__class__.__name__ == "Number"
     ]
-    assert len(numbers) == len(set(numbers)) > 200
+    assert len(numbers) == len(set(numbers)) > 180
 
 
 def test_what_programs_of_the_field_name_is_there() -> None:
