@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.arms import Kinematics
+from drivers.arms import ArmModel, Kinematics
 from hal import (
     JointTarget,
     LinearTarget,
@@ -18,7 +18,7 @@ from hal import (
 )
 from hal.errors import UnreachableError
 
-__all__ = ["Reach"]
+__all__ = ["Reach", "confdata"]
 
 STEP_M = 0.01
 STEP_RAD = 0.05
@@ -93,12 +93,17 @@ def line(T_start: NDArray[np.float64], T_goal: NDArray[np.float64]) -> NDArray[n
     return poses
 
 
-def confdata(joints_rad: Joints) -> tuple[int, int, int, int]:
+def confdata(arm: ArmModel, joints_rad: Joints) -> tuple[int, int, int, int]:
     """Return cf1, cf4, cf6, cfx as RAPID counts them.
 
-    The last says which of eight postures it is: bit 2 the wrist centre behind axis 1, bit 1
-    behind the lower arm, bit 0 axis 5 negative. For this arm's lines only bit 0 is needed.
+    cfx: 4 for the wrist centre behind axis 1, 2 for behind the lower arm, 1 for axis 5 negative.
     """
     quadrants = np.floor((joints_rad[[0, 3, 5]] + EDGE_RAD) / QUADRANT).astype(int)
     cf1, cf4, cf6 = (int(q) for q in quadrants)
-    return cf1, cf4, cf6, int(joints_rad[4] < 0)
+    opw = arm.opw
+    lean = math.atan2(-opw.a2_m, opw.c3_m)
+    elbow = float(joints_rad[2]) + math.pi / 2 - lean
+    shoulder = float(joints_rad[1])
+    forearm_m = math.hypot(opw.a2_m, opw.c3_m)
+    out_m = opw.a1_m + opw.c2_m * math.sin(shoulder) + forearm_m * math.sin(shoulder + elbow)
+    return cf1, cf4, cf6, 4 * (out_m < 0) + 2 * (math.sin(elbow) < 0) + bool(joints_rad[4] < 0)

@@ -171,7 +171,9 @@ class RapidRobot(Robot):
             link = await self._ready_link()
             reach = Reach(self._kinematics, self._tool.T_flange_tcp.inverse())
             joints = reach.follow(state.joints_rad, targets)
-            messages = wire_targets(targets, joints, self._T_base_object.inverse())
+            messages = wire_targets(
+                targets, joints, self._T_base_object.inverse(), self._kinematics.arm
+            )
             run = await link.begin(messages, state.tick)
             try:
                 outcome = await link.end(run)

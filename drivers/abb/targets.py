@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from drivers.abb.messages import AddJoint, AddLinear, Message, Quaternion, Triple
 from drivers.abb.reach import confdata
+from drivers.arms import ArmModel
 from hal import JointTarget, RobotLimits, Target, Transform
 
 __all__ = ["check_target", "pose_numbers", "triple", "wire_targets"]
@@ -37,6 +38,7 @@ def wire_targets(
     targets: Sequence[Target],
     joints_rad: Sequence[NDArray[np.float64]],
     T_object_base: Transform,
+    arm: ArmModel,
 ) -> list[Message]:
     """Return the queue's messages.
 
@@ -44,17 +46,21 @@ def wire_targets(
     object, in whose frame the controller is told of them.
     """
     return [
-        _wire(target, joints, T_object_base)
+        _wire(target, joints, T_object_base, arm)
         for target, joints in zip(targets, joints_rad, strict=True)
     ]
 
 
-def _wire(target: Target, joints_rad: NDArray[np.float64], T_object_base: Transform) -> Message:
+def _wire(
+    target: Target, joints_rad: NDArray[np.float64], T_object_base: Transform, arm: ArmModel
+) -> Message:
     if isinstance(target, JointTarget):
         a, b, c, d, e, f = (float(q) for q in target.joints_rad)
         return AddJoint((a, b, c, d, e, f), target.speed, target.zone_m)
     position_m, quaternion = pose_numbers(T_object_base @ target.T_base_tcp)
-    return AddLinear(position_m, quaternion, confdata(joints_rad), target.speed_mps, target.zone_m)
+    return AddLinear(
+        position_m, quaternion, confdata(arm, joints_rad), target.speed_mps, target.zone_m
+    )
 
 
 def triple(values: Any) -> Triple:
