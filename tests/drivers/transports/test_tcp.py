@@ -1,4 +1,5 @@
 import asyncio
+import contextlib
 
 import pytest
 
@@ -77,8 +78,8 @@ def test_the_end_is_empty_bytes_after_all_that_was_sent():
     async def client(port):
         transport = await TcpConnector("127.0.0.1").connect(port)
         received = [await transport.receive(100), await transport.receive(100)]
+        transport.close()
         with pytest.raises(ConnectionError):
-            transport.close()
             await transport.send(b"x")
         return received
 
@@ -93,12 +94,10 @@ def test_a_reset_is_a_connection_error():
     async def client(port):
         transport = await TcpConnector("127.0.0.1").connect(port)
         await transport.send(b"x" * 100)
-        try:
-            return await transport.receive(100)
-        except ConnectionError:
-            return b""
+        with pytest.raises(ConnectionError):
+            await transport.receive(100)
 
-    assert with_server(serve, client) == b""
+    with_server(serve, client)
 
 
 def test_a_peer_that_sends_without_end_is_held_back():
@@ -106,7 +105,7 @@ def test_a_peer_that_sends_without_end_is_held_back():
 
     async def serve(reader, writer):
         nonlocal sent
-        with pytest.raises((ConnectionError, asyncio.CancelledError)):
+        with contextlib.suppress(ConnectionError, asyncio.CancelledError):
             while True:
                 writer.write(bytes(4096))
                 sent += 4096
