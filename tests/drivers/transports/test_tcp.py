@@ -1,5 +1,7 @@
 import asyncio
 import contextlib
+import socket
+import struct
 
 import pytest
 
@@ -89,6 +91,9 @@ def test_the_end_is_empty_bytes_after_all_that_was_sent():
 def test_a_reset_is_a_connection_error():
     async def serve(reader, writer):
         await reader.read(1)
+        # Lingering for no time makes the kernel send a reset.
+        linger = struct.pack("ii", 1, 0)
+        writer.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
         writer.transport.abort()
 
     async def client(port):
