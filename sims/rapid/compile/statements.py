@@ -1,0 +1,370 @@
+"""Statements to operations. Structured statements become jumps between flat operations."""
+
+from collections.abc import Sequence
+from functools import partial
+
+from sims.rapid import ast
+from sims.rapid.ast import DataKind, Mode
+from sims.rapid.compile.arguments import Arguments
+from sims.rapid.compile.emitter import Emitter, Label
+from sims.rapid.compile.expressions import component, indexed, unfold
+from sims.rapid.compile.scope import Local, RoutineScope
+from sims.rapid.compile.texts import NUMBER, TEXT, Text, literal, owned
+from sims.rapid.symbols import BuiltinRoutine, LinkError, Routine
+from sims.rapid.types import Kind, Shape
+
+__all__ = ["Statements"]
+
+LOOK_UP = "return @next if not T.attention else T.pause(@next)"
+
+
+class Statements:
+    """Writes the statements of one routine. Errors are collected, one for each statement."""
+
+    def __init__(
+        self, scope: RoutineScope, emitter: Emitter, result: Shape | None, kind: ast.RoutineKind
+    ) -> None:
+        self.scope = scope
+        self.emitter = emitter
+        self.result = result
+        self.kind = kind
+        self.expressions = self.arguments = Arguments(scope, emitter)
+        self.program = scope.module.program
+        self.errors: list[LinkError] = []
+        self._labels: dict[str, Label] = {}
+
+    def block(self, statements: Sequence[ast.Statement]) -> None:
+        """Write statements one after the other."""
+        for statement in statements:
+            mark = self.emitter.statement(statement.at)
+            position = self.emitter.position()
+            try:
+                self._statement(statement)
+            except LinkError as error:
+                self.errors.append(error)
+                self.emitter.cut(position)
+            self.emitter.place(mark.after)
+
+    def declare_labels(self, statements: Sequence[ast.Statement]) -> None:
+        """Make the labels known before the jumps to them are written."""
+        pending = list(statements)
+        while pending:
+            statement = pending.pop()
+            match statement:
+                case ast.Label():
+                    self._labels[statement.name.lower()] = self.emitter.label()
+                case ast.If():
+                    for _, body in statement.branches:
+                        pending += body
+                    pending += statement.otherwise
+                case ast.For() | ast.While():
+                    pending += statement.body
+                case ast.Test():
+                    for _, body in statement.cases:
+                        pending += body
+                    pending += statement.default or ()
+                case _:
+                    pass
+
+    def _statement(self, node: ast.Statement) -> None:
+        match node:
+            case ast.Assign():
+                self._assign(node)
+            case ast.ProcCall():
+                self._call(node)
+            case ast.LateCall():
+                name = self.expressions.value(node.name, TEXT)
+                arguments = self.arguments.for_late_call(node.arguments)
+                self._do(f"return T.late({name.text}, {arguments}, {self._module()}, @own, @next)")
+            case ast.If():
+                self._if(node)
+            case ast.For():
+                self._for(node)
+            case ast.While():
+                self._while(node)
+            case ast.Test():
+                self._test(node)
+            case ast.Goto():
+                self._do(f"return @{self._label(node).number}@")
+            case ast.Label():
+                self.emitter.place(self._labels[node.name.lower()])
+            case ast.Connect():
+                self._connect(node)
+            case _:
+                self._leave(node)
+
+    def _leave(self, node: ast.Statement) -> None:
+        match node:
+            case ast.Return():
+                self._return(node)
+            case ast.Raise():
+                value = "None" if node.value is None else self._number(node.value)
+                self._do(f"return T.throw({value})")
+            case ast.Retry():
+                self._do("return T.retry()")
+            case ast.TryNext():
+                self._do("return T.try_next()")
+            case ast.Exit():
+                self._do("return T.exit()")
+            case ast.Placeholder():
+                self._do(f"return T.unfinished({literal(node.text)})")
+            case _:
+                raise AssertionError(node)
+
+    def _do(self, *lines: str) -> None:
+        self.emitter.operation(*lines)
+
+    def _module(self) -> str:
+        return self.program.bind("M", self.scope.module)
+
+    def _number(self, expr: ast.Expr) -> str:
+        return self.expressions.value(expr, NUMBER).text
+
+    # Assignments.
+
+    def _assign(self, node: ast.Assign) -> None:
+        steps, base = unfold(node.target)
+        if not isinstance(base, ast.Name):
+            raise LinkError(node.at, "only data can be assigned to")
+        name = base.name.lower()
+        local = self.scope.find_local(name)
+        if local is not None and not local.is_reference:
+            self._check_local(local, node)
+            root = f"f[{local.slot}]" + (".value" if local.is_boxed else "")
+            self._store(node, root, local.shape, steps)
+        elif local is not None and local.mode is Mode.VAR and steps:
+            self._store(node, f"f[{local.slot}].value", local.shape, steps)
+        elif local is not None:
+            self._store_through(node, Text(f"f[{local.slot}]", local.shape), steps)
+        else:
+            self._assign_datum(node, name, steps)
+
+    def _assign_datum(
+        self, node: ast.Assign, name: str, steps: Sequence[ast.Field | ast.Index]
+    ) -> None:
+        datum = self.scope.find_data(name)
+        if datum is None:
+            if (signal := self.scope.module.find_signal(name)) is not None:
+                raise LinkError(node.at, f"{signal.name} is a signal: use SetDO, SetGO or SetAO")
+            raise LinkError(node.at, f"{name} is not known: declare it or load its module")
+        cell = self.program.bind_cell(datum.cell)
+        match datum.decl.kind:
+            case DataKind.CONST:
+                raise LinkError(node.at, f"{datum.decl.name} is a constant")
+            case DataKind.PERS:
+                self._store_through(node, Text(cell, datum.shape), steps)
+            case DataKind.VAR:
+                self._store(node, f"{cell}.value", datum.shape, steps)
+
+    def _check_local(self, local: Local, node: ast.Assign) -> None:
+        if local.is_constant:
+            raise LinkError(node.at, f"{local.name} is a constant or a FOR variable")
+        if local.shape.type.kind is Kind.SWITCH:
+            raise LinkError(node.at, f"{local.name} is a switch and cannot be assigned to")
+
+    def _store(
+        self, node: ast.Assign, root: str, shape: Shape, steps: Sequence[ast.Field | ast.Index]
+    ) -> None:
+        """Store straight into a value that nobody watches."""
+        path, shape = self._path(shape, steps)
+        _check_assignable(shape, node.at)
+        value = self._value_before_path(node.value, shape, path)
+        if not path:
+            self._do(f"{root} = {value}", "return @next")
+            return
+        for step in path[:-1]:
+            root = f"{root}[{step}]" if isinstance(step, int) else f"_element({root}, {step.text})"
+        last = path[-1]
+        if isinstance(last, int):
+            self._do(f"{root}[{last}] = {value}", "return @next")
+        else:
+            self._do(f"_put({root}, {last.text}, {value})", "return @next")
+
+    def _store_through(
+        self, node: ast.Assign, root: Text, steps: Sequence[ast.Field | ast.Index]
+    ) -> None:
+        """Store into data that somebody may watch."""
+        path, shape = self._path(root.shape, steps)
+        _check_assignable(shape, node.at)
+        value = self._value_before_path(node.value, shape, path)
+        target = root.text
+        if path:
+            bound = self.program.bind("h", shape)
+            texts = [str(s) if isinstance(s, int) else f"float({s.text})" for s in path]
+            target = f"_ref({root.text}, {bound}, ({', '.join(texts)},))"
+        self._do(f"{target}.store({value})", LOOK_UP)
+
+    def _path(
+        self, shape: Shape, steps: Sequence[ast.Field | ast.Index]
+    ) -> tuple[list[int | Text], Shape]:
+        path: list[int | Text] = []
+        for step in steps:
+            if isinstance(step, ast.Field):
+                k, shape = component(shape, step)
+                path.append(k)
+                continue
+            shape = indexed(shape, step)
+            path += [self.expressions.value(index, NUMBER) for index in step.indices if index]
+        return path, shape
+
+    def _value_before_path(self, expr: ast.Expr, shape: Shape, path: list[int | Text]) -> str:
+        """The value's operations come after the indices' own: put such indices aside."""
+        position = self.emitter.position()
+        text = self.expressions.value(expr, shape)
+        if self.emitter.position() > position:
+            for k, step in enumerate(path):
+                if isinstance(step, Text) and not step.is_fixed:
+                    path[k] = self.expressions.put_aside(step, position)
+                    position += 1
+        if 0 in shape.dims or 0 in text.shape.dims:
+            return f"_fit({owned(text)}, {self.program.bind('h', shape)})"
+        return owned(text)
+
+    # Calls.
+
+    def _call(self, node: ast.ProcCall) -> None:
+        routine = self.scope.module.find_routine(node.name.lower())
+        if routine is None:
+            reason = self.program.refuses(node.name)
+            if reason:
+                raise LinkError(node.at, reason)
+            arguments = self.arguments.for_late_call(node.arguments)
+            self._do(
+                f"return T.late({literal(node.name)}, {arguments}, {self._module()}, @own, @next)"
+            )
+        elif isinstance(routine, Routine):
+            if routine.decl.kind is not ast.RoutineKind.PROC:
+                raise LinkError(node.at, f"{node.name} is no procedure: use its value")
+            values = self.arguments.for_routine(routine, node.arguments, node.at)
+            bound = self.program.bind("R", routine)
+            self._do(f"return T.call({bound}, {values}, @own, @next, None)")
+        else:
+            self._builtin(routine, node)
+
+    def _builtin(self, routine: BuiltinRoutine, node: ast.ProcCall) -> None:
+        if routine.result is not None:
+            raise LinkError(node.at, f"{node.name} is a function: use its value")
+        arguments = self.arguments.for_builtin(routine, node.arguments, node.at)
+        bound = self.program.bind("B", routine.builtin.call)
+        if routine.is_async:
+            self._do(f"return T.wait({bound}(C{arguments}), @own, @next, None, None)")
+            return
+        self._do(f"{bound}(C{arguments})", LOOK_UP)
+
+    def _connect(self, node: ast.Connect) -> None:
+        trap = self.scope.module.find_routine(node.trap.lower())
+        if not isinstance(trap, Routine) or trap.decl.kind is not ast.RoutineKind.TRAP:
+            raise LinkError(node.at, f"{node.trap} is no TRAP: declare it")
+        target = self.arguments.reference(node.target)
+        bound = self.program.bind("R", trap)
+        self._do(f"T.interrupts.connect({target.text}, {bound})", "return @next")
+
+    def _return(self, node: ast.Return) -> None:
+        if node.value is None:
+            if self.result is not None:
+                raise LinkError(node.at, "RETURN needs a value in a function")
+            self._do("return T.leave()")
+        elif self.result is None:
+            raise LinkError(node.at, "RETURN has a value, but this is no function")
+        else:
+            self._do(f"return T.leave({self.expressions.kept(node.value, self.result)})")
+
+    # Jumps.
+
+    def _label(self, node: ast.Goto) -> Label:
+        label = self._labels.get(node.label.lower())
+        if label is None:
+            raise LinkError(node.at, f"there is no label {node.label} in this routine")
+        return label
+
+    def _if(self, node: ast.If) -> None:
+        end = self.emitter.label()
+        for condition, body in node.branches:
+            otherwise = self.emitter.label()
+            text = self.expressions.condition(condition)
+            self._do(f"return @next if {text.text} else @{otherwise.number}@")
+            self._body(body)
+            self.emitter.jump(end)
+            self.emitter.place(otherwise)
+        self._body(node.otherwise)
+        self.emitter.place(end)
+
+    def _body(self, body: Sequence[ast.Statement]) -> None:
+        """A block inside a statement, whose mark then goes on."""
+        mark = self.emitter.mark
+        self.block(body)
+        self.emitter.mark = mark
+
+    def _while(self, node: ast.While) -> None:
+        begin, end = self.emitter.label(), self.emitter.label()
+        self.emitter.place(begin)
+        text = self.expressions.condition(node.condition)
+        self._do(f"return @next if {text.text} else @{end.number}@")
+        self._body(node.body)
+        self.emitter.jump(begin)
+        self.emitter.place(end)
+
+    def _for(self, node: ast.For) -> None:
+        emitter, number = self.emitter, self.expressions.value
+        k, last, step = emitter.local(), emitter.local(), emitter.local()
+        exprs = [node.first, node.last] + ([node.step] if node.step is not None else [])
+        texts = self.expressions.ordered([partial(number, expr, NUMBER) for expr in exprs])
+        lines = [f"f[{k}] = {texts[0].text}", f"f[{last}] = {texts[1].text}"]
+        if len(texts) > 2:
+            lines.append(f"f[{step}] = {texts[2].text}")
+        else:
+            lines.append(f"f[{step}] = 1.0 if f[{k}] <= f[{last}] else -1.0")
+        body, end = emitter.label(), emitter.label()
+        goes_on = (
+            f"return @{body.number}@ if (f[{k}] <= f[{last}] if f[{step}] >= 0.0"
+            f" else f[{k}] >= f[{last}]) else @{end.number}@"
+        )
+        self._do(*lines, goes_on)
+        emitter.place(body)
+        name = node.variable.lower()
+        hidden = self.scope.locals.get(name)
+        self.scope.locals[name] = Local(node.variable, k, NUMBER, is_constant=True)
+        try:
+            self._body(node.body)
+        finally:
+            if hidden is None:
+                del self.scope.locals[name]
+            else:
+                self.scope.locals[name] = hidden
+        self._do(f"f[{k}] = _round(f[{k}] + f[{step}])", goes_on)
+        emitter.place(end)
+
+    def _test(self, node: ast.Test) -> None:
+        emitter = self.emitter
+        subject = self.expressions.value(node.subject)
+        if not subject.is_fixed:
+            subject = self._subject(subject)
+        end = emitter.label()
+        bodies: list[tuple[Label, Sequence[ast.Statement]]] = []
+        for values, body in node.cases:
+            label = emitter.label()
+            bodies.append((label, body))
+            for value in values:
+                same = self._is_case(subject, value)
+                self._do(f"return @{label.number}@ if {same} else @next")
+        self._body(node.default or ())
+        for label, statements in bodies:
+            emitter.jump(end)
+            emitter.place(label)
+            self._body(statements)
+        emitter.place(end)
+
+    def _subject(self, subject: Text) -> Text:
+        slot = f"f[{self.emitter.local()}]"
+        self._do(f"{slot} = {owned(subject)}", "return @next")
+        return Text(slot, subject.shape, is_fixed=True)
+
+    def _is_case(self, subject: Text, value: ast.Expr) -> str:
+        if subject.shape.type.kind is Kind.SIGNAL:
+            return f"_signal({subject.text}).value == {self._number(value)}"
+        return f"{subject.text} == {self.expressions.value(value, subject.shape).text}"
+
+
+def _check_assignable(shape: Shape, at: ast.Place) -> None:
+    if shape.type.kind is Kind.OPAQUE or shape.type.kind is Kind.SIGNAL:
+        raise LinkError(at, f"{shape} has no value that can be assigned")

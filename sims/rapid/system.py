@@ -1,0 +1,121 @@
+"""All tasks of a controller, and the persistents that they share."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from sims.rapid import library
+from sims.rapid.ast import Module
+from sims.rapid.builtin import Ref, TaskKind
+from sims.rapid.data import Pers
+from sims.rapid.errors import Diagnostic, RapidLoadError, Severity
+from sims.rapid.host import Host
+from sims.rapid.machine import Halt
+from sims.rapid.program import Program, SharedData
+from sims.rapid.task import Task
+
+__all__ = ["RapidSystem", "TaskPlan"]
+
+
+@dataclass(frozen=True, slots=True)
+class TaskPlan:
+    """A task as it was added."""
+
+    name: str
+    kind: TaskKind
+    has_motion: bool
+    modules: tuple[Module, ...]
+    entry: str
+    overrides: Mapping[str, str] = field(default_factory=dict)
+
+
+class RapidSystem:
+    """Tasks over one host. Add them, ``load()``, then operate ``tasks``.
+
+    The program of every task is linked anew at each load; persistents keep their values only
+    from PP to main to PP to main, not over a load.
+    """
+
+    def __init__(self, host: Host) -> None:
+        library.register()
+        self.host = host
+        self.tasks: dict[str, Task] = {}
+        self.shared: SharedData = {}
+        self._plans: list[TaskPlan] = []
+
+    def add_task(
+        self,
+        name: str,
+        kind: TaskKind,
+        has_motion: bool,
+        modules: Sequence[Module],
+        entry: str = "main",
+        overrides: Mapping[str, str] | None = None,
+    ) -> None:
+        """Plan a task that starts with the routine ``entry``.
+
+        ``overrides`` are initial values in RAPID by name (``port`` or ``module:port``), which
+        replace those in the modules.
+        """
+        self._plans.append(TaskPlan(name, kind, has_motion, tuple(modules), entry, overrides or {}))
+
+    def load(self) -> list[Diagnostic]:
+        """Link all tasks and set their pointers to main; return the warnings.
+
+        Raises
+        ------
+        RapidLoadError
+            With all that is wrong in all tasks. No task is there then.
+        """
+        self.shared.clear()
+        self.tasks.clear()
+        problems: list[Diagnostic] = []
+        made: dict[str, Task] = {}
+        for plan in self._plans:
+            task, wrong = self._make(plan)
+            problems += wrong
+            made[plan.name] = task
+        errors = [problem for problem in problems if problem.severity is Severity.ERROR]
+        if errors:
+            raise RapidLoadError(errors)
+        self.tasks.update(made)
+        for task in made.values():
+            task.halted = self._task_halted
+            if task.has_entry:
+                task.pp_to_main()
+        return problems
+
+    def find(self, task: str, name: str) -> Ref | None:
+        """Data of a task by name; ``module:name`` for local data."""
+        return self.tasks[task].find(name)
+
+    def stop(self) -> None:
+        """Stop all NORMAL tasks."""
+        for task in self.tasks.values():
+            if task.kind is TaskKind.NORMAL:
+                task.stop()
+
+    async def close(self) -> None:
+        """End all tasks."""
+        for task in self.tasks.values():
+            await task.close()
+
+    def pers(self, name: str) -> Pers | None:
+        """A persistent that tasks share, by name."""
+        return self.shared.get(name.lower())
+
+    def _make(self, plan: TaskPlan) -> tuple[Task, list[Diagnostic]]:
+        program = Program(signals=self.host.signals, shared=self.shared, overrides=plan.overrides)
+        task = Task(
+            plan.name,
+            kind=plan.kind,
+            has_motion=plan.has_motion,
+            host=self.host,
+            program=program,
+            entry=plan.entry,
+        )
+        return task, program.add(plan.modules)
+
+    def _task_halted(self, task: Task, halt: Halt) -> None:
+        """A NORMAL task that ends by itself takes the others along."""
+        if task.kind is TaskKind.NORMAL and halt is not Halt.EXIT_CYCLE:
+            self.stop()
