@@ -141,14 +141,26 @@ class Host(Protocol):
     CTime. ``task_names`` and ``is_executing`` are for TaskRunRob and its kin.
     """
 
-    signals: Mapping[str, Signal]
-    log: EventLog
-    pendant: Pendant
-    network: Network
     home: Path | None
     info: Mapping[str, str]
     epoch_s: float
     statement_ns: int
+
+    @property
+    def signals(self) -> Mapping[str, Signal]:
+        """By lower-case name."""
+
+    @property
+    def log(self) -> EventLog:
+        """The event log."""
+
+    @property
+    def pendant(self) -> Pendant:
+        """The operator window."""
+
+    @property
+    def network(self) -> Network:
+        """What sockets are made on."""
 
     @property
     def op_mode(self) -> str:
