@@ -33,13 +33,15 @@ ARRIVED = 1e-9
 class Happening:
     """Something to do at a place on a move, ``lead_s`` earlier than the arm gets there.
 
-    ``before_end_m`` is the way to the move's end there (``is_from_start``: from its start).
+    ``distance_m`` is the way to the move's end there (``is_from_start``: from its start). With
+    ``is_at_corner`` it is the middle of the corner at the move's end, or where the arm stands.
     """
 
     action: Callable[[], None]
     distance_m: float = 0.0
     lead_s: float = 0.0
     is_from_start: bool = False
+    is_at_corner: bool = False
     place: float = 0.0
 
 
@@ -100,6 +102,7 @@ class MechanicalUnit:
         self._passed: list[asyncio.Future[None]] = []
         self._standing: list[asyncio.Future[None]] = []
         self.ramp_share = 1.0
+        self._rests = False
 
     # What it is doing.
 
@@ -112,6 +115,15 @@ class MechanicalUnit:
     def is_standing(self) -> bool:
         """Whether the arm has come to rest."""
         return not self.is_driving and self._world.arm.is_standing
+
+    @property
+    def has_come_to_rest(self) -> bool:
+        """The same, remembered until the arm is driven again: cheap enough for every tick."""
+        if self.is_driving:
+            self._rests = False
+        elif not self._rests:
+            self._rests = self._world.arm.is_standing
+        return self._rests
 
     @property
     def is_dropping(self) -> bool:
@@ -152,6 +164,9 @@ class MechanicalUnit:
         )
         if before is not None:
             before.until = begin
+            for happening in before.happenings:
+                if happening.is_at_corner:
+                    happening.place = begin
             if entry is not None and self._way.stands and self._way.stands[-1] == begin:
                 self._note_corner(before, leg)
         move.until = self._way.end

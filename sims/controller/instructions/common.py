@@ -20,6 +20,7 @@ from sims.rapid.errors import RapidError
 
 __all__ = [
     "STOP_MOVE",
+    "STOP_MOVE_OTHER",
     "Mechanics",
     "Setup",
     "joints_for",
@@ -32,6 +33,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 STOP_MOVE = "StopMove"
+STOP_MOVE_OTHER = "StopMove of a task without motion"
 RATIO = "speed ratio 0"
 EDGE_NUMBER = 50027
 REACH_NUMBER = 50050
@@ -73,11 +75,6 @@ class Mechanics:
             return
         self.unit.ratio = ratio
         self.unit.release(RATIO)
-
-    @property
-    def is_stop_moved(self) -> bool:
-        """Whether StopMove is active."""
-        return STOP_MOVE in self.unit.holds
 
 
 class HasMechanics(Protocol):

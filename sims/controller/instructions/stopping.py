@@ -2,7 +2,12 @@
 
 from typing import Any
 
-from sims.controller.instructions.common import STOP_MOVE, mechanics_of, not_supported
+from sims.controller.instructions.common import (
+    STOP_MOVE,
+    STOP_MOVE_OTHER,
+    mechanics_of,
+    not_supported,
+)
 from sims.rapid.builtin import Legal, TaskContext, builtin
 from sims.rapid.errors import RapidError
 
@@ -15,39 +20,46 @@ MOST_STORED = 5
 def stop_move(task: TaskContext, *, quick: bool = False, allmotiontasks: bool = False) -> None:
     """Brake on the path and keep it; the program goes on at once."""
     del quick
-    _check_task(task, allmotiontasks, "StopMove")
-    mechanics_of(task).unit.hold(STOP_MOVE)
+    reason = _reason(task, allmotiontasks, "StopMove")
+    mechanics_of(task).unit.hold(reason)
 
 
 @builtin("PROC StartMove(\\switch AllMotionTasks)")
 def start_move(task: TaskContext, *, allmotiontasks: bool = False) -> None:
     """Go on after StopMove; an arm that was moved away returns to its path slowly."""
-    _check_task(task, allmotiontasks, "StartMove")
-    mechanics_of(task).unit.release(STOP_MOVE)
+    reason = _reason(task, allmotiontasks, "StartMove")
+    mechanics_of(task).unit.release(reason)
 
 
 @builtin("PROC StopMoveReset(\\switch AllMotionTasks)")
 def stop_move_reset(task: TaskContext, *, allmotiontasks: bool = False) -> None:
     """Forget that StopMove was called, and the path with it."""
-    _check_task(task, allmotiontasks, "StopMoveReset")
+    reason = _reason(task, allmotiontasks, "StopMoveReset")
     unit = mechanics_of(task).unit
     unit.drop()
-    unit.release(STOP_MOVE)
+    unit.release(reason)
 
 
-def _check_task(task: TaskContext, is_for_all: bool, name: str) -> None:
-    if not task.has_motion and not is_for_all:
+def _reason(task: TaskContext, is_for_all: bool, name: str) -> str:
+    if task.has_motion:
+        return STOP_MOVE
+    if not is_for_all:
         raise RapidError(
             "ERR_ARGVALERR",
             f"{task.name} moves nothing: {name} needs \\AllMotionTasks here",
             is_fatal=True,
         )
+    return STOP_MOVE_OTHER
 
 
 @builtin("FUNC bool IsStopMoveAct(\\switch FromMoveTask | \\switch FromNonMoveTask)")
-def is_stop_move_act(task: TaskContext, **_: Any) -> bool:
-    """Whether StopMove is in force."""
-    return mechanics_of(task).is_stop_moved
+def is_stop_move_act(
+    task: TaskContext, *, frommovetask: bool = False, fromnonmovetask: bool = False
+) -> bool:
+    """Whether StopMove is in force, from whichever kind of task is asked for."""
+    holds = mechanics_of(task).unit.holds
+    of_move = STOP_MOVE in holds and not fromnonmovetask
+    return of_move or (STOP_MOVE_OTHER in holds and not frommovetask)
 
 
 @builtin("PROC ClearPath()", Legal.MOTION)
