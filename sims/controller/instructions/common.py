@@ -1,8 +1,9 @@
 """What motion instructions share: the arm behind a task, tool and object, errors by name."""
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol, cast
+from typing import Any, Protocol, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +16,16 @@ from sims.controller.frames import tool_frame, wobj_frame
 from sims.controller.settings import MotionSettings
 from sims.controller.unit import MechanicalUnit
 from sims.motion import CircleError, SingularityError
-from sims.rapid.builtin import Ref, TaskContext
+from sims.rapid.builtin import Legal, Ref, TaskContext, builtin
 from sims.rapid.errors import RapidError
+from sims.rapid.parser import parse_routine_head
 
 __all__ = [
     "STOP_MOVE",
     "STOP_MOVE_OTHER",
     "Mechanics",
     "Setup",
+    "instruction",
     "joints_for",
     "mechanics_of",
     "not_supported",
@@ -31,6 +34,7 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+F = TypeVar("F", bound=Callable[..., Any])
 
 STOP_MOVE = "StopMove"
 STOP_MOVE_OTHER = "StopMove of a task without motion"
@@ -123,6 +127,19 @@ class Setup:
     def tcp_in_object(self, T_base_flange: Array) -> Array:
         """``T_object_tcp`` of a flange pose."""
         return np.asarray(np.linalg.inv(self.T_base_object) @ T_base_flange @ self.T_flange_tcp)
+
+
+def instruction(declaration: str, legal: Legal = Legal.ANYWHERE) -> Callable[[F], F]:
+    """Add a built-in that takes its arguments as ``**given``, by lower-case name."""
+    names = ["task", *(param.name.lower() for param in parse_routine_head(declaration).params)]
+    keyword = inspect.Parameter.KEYWORD_ONLY
+
+    def add(call: F) -> F:
+        signature = inspect.Signature([inspect.Parameter(name, keyword) for name in names])
+        call.__signature__ = signature  # type: ignore[attr-defined]
+        return builtin(declaration, legal)(call)
+
+    return add
 
 
 def not_supported(what: str) -> RapidError:

@@ -14,6 +14,7 @@ from sims.controller.instructions.common import (
     EDGE_NUMBER,
     Mechanics,
     Setup,
+    instruction,
     joints_for,
     mechanics_of,
     not_supported,
@@ -23,7 +24,7 @@ from sims.controller.instructions.common import (
 from sims.controller.settings import Speed
 from sims.controller.unit import Happening, Move
 from sims.motion import Leg, Zone, circular_leg, joint_leg, linear_leg
-from sims.rapid.builtin import Legal, TaskContext, builtin
+from sims.rapid.builtin import Legal, TaskContext
 from sims.rapid.errors import RapidError
 
 __all__ = ["Planner", "circular", "drive", "joint", "linear"]
@@ -37,7 +38,7 @@ HOW = (
     "speeddata Speed \\num V | \\num T, zonedata Zone \\num Z \\stoppointdata Inpos, "
     "PERS tooldata Tool \\PERS wobjdata WObj"
 )
-END = "\\switch Corr \\PERS loaddata TLoad"
+MORE = "\\switch Corr \\PERS loaddata TLoad"
 
 
 def linear(target: Sequence[Any]) -> Planner:
@@ -181,20 +182,24 @@ async def drive(
         await unit.room()
 
 
-@builtin(f"PROC MoveL(\\switch Conc, robtarget ToPoint \\identno ID, {HOW} {END})", Legal.MOTION)
+@instruction(
+    f"PROC MoveL(\\switch Conc, robtarget ToPoint \\identno ID, {HOW} {MORE})", Legal.MOTION
+)
 async def move_l(task: TaskContext, **given: Any) -> None:
     """Straight."""
     await drive(task, linear(given["topoint"]), given)
 
 
-@builtin(f"PROC MoveJ(\\switch Conc, robtarget ToPoint \\identno ID, {HOW} {END})", Legal.MOTION)
+@instruction(
+    f"PROC MoveJ(\\switch Conc, robtarget ToPoint \\identno ID, {HOW} {MORE})", Legal.MOTION
+)
 async def move_j(task: TaskContext, **given: Any) -> None:
     """In joint space."""
     await drive(task, joint(given["topoint"]), given)
 
 
-@builtin(
-    f"PROC MoveC(\\switch Conc, robtarget CirPoint, robtarget ToPoint \\identno ID, {HOW} {END})",
+@instruction(
+    f"PROC MoveC(\\switch Conc, robtarget CirPoint, robtarget ToPoint \\identno ID, {HOW} {MORE})",
     Legal.MOTION,
 )
 async def move_c(task: TaskContext, **given: Any) -> None:
@@ -202,9 +207,9 @@ async def move_c(task: TaskContext, **given: Any) -> None:
     await drive(task, circular(given["cirpoint"], given["topoint"]), given)
 
 
-@builtin(
+@instruction(
     "PROC MoveAbsJ(\\switch Conc, jointtarget ToJointPos \\identno ID \\switch NoEOffs, "
-    f"{HOW} {END})",
+    f"{HOW} {MORE})",
     Legal.MOTION,
 )
 async def move_abs_j(task: TaskContext, **given: Any) -> None:
@@ -212,7 +217,7 @@ async def move_abs_j(task: TaskContext, **given: Any) -> None:
     await drive(task, absolute(given["tojointpos"]), given)
 
 
-@builtin(
+@instruction(
     "PROC MoveExtJ(\\switch Conc, jointtarget ToJointPos \\identno ID \\switch NotEOffs "
     "\\switch UseEOffs, speeddata Speed \\num T, zonedata Zone \\stoppointdata Inpos)",
     Legal.MOTION,

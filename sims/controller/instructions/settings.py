@@ -6,7 +6,7 @@ import numpy as np
 
 from hal import Load
 from sims.controller.frames import MM
-from sims.controller.instructions.common import Setup, mechanics_of, value_of
+from sims.controller.instructions.common import Setup, instruction, mechanics_of, value_of
 from sims.rapid.builtin import Legal, Ref, TaskContext, builtin
 from sims.rapid.errors import RapidError
 
@@ -31,7 +31,7 @@ def conf_j(task: TaskContext, *, on: bool = False, off: bool = False) -> None:
     mechanics_of(task).settings.checks_conf_joint = not off
 
 
-@builtin(
+@instruction(
     "PROC SingArea(\\switch Wrist | \\switch LockAxis4 | \\switch Arm | \\switch Off)",
     Legal.MOTION,
 )
@@ -40,7 +40,7 @@ def sing_area(task: TaskContext, *, wrist: bool = False, **_: Any) -> None:
     mechanics_of(task).settings.wrist_interpolation = wrist
 
 
-@builtin("PROC VelSet(num Override, num Max)", Legal.MOTION)
+@instruction("PROC VelSet(num Override, num Max)", Legal.MOTION)
 def vel_set(task: TaskContext, **given: float) -> None:
     """Scale programmed speeds (per cent) and bound the tool's (mm/s)."""
     override, most = given["override"], given["max"]
@@ -154,7 +154,7 @@ def set_sys_data(task: TaskContext, *, sourceobject: Ref, objectname: str | None
             raise RapidError("ERR_ARGVALERR", f"SetSysData wants tool, wobj or load, not {other}")
 
 
-@builtin(
+@instruction(
     "PROC CirPathMode(\\switch PathFrame | \\switch ObjectFrame | \\switch CirPointOri | "
     "\\switch Wrist45 | \\switch Wrist46 | \\switch Wrist56)",
     Legal.MOTION,

@@ -5,6 +5,7 @@ from typing import Any
 from sims.controller.instructions.common import (
     STOP_MOVE,
     STOP_MOVE_OTHER,
+    instruction,
     mechanics_of,
     not_supported,
 )
@@ -106,7 +107,7 @@ async def wait_rob(task: TaskContext, *, inpos: bool = False, zerospeed: bool = 
 
 
 def _refused(name: str, declaration: str) -> None:
-    @builtin(f"PROC {name}({declaration})")
+    @instruction(f"PROC {name}({declaration})")
     def refuse(task: TaskContext, **_: Any) -> None:
         del task
         raise not_supported(name)

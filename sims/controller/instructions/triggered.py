@@ -3,11 +3,11 @@
 from collections.abc import Callable
 from typing import Any
 
-from sims.controller.instructions.common import not_supported
+from sims.controller.instructions.common import instruction, not_supported
 from sims.controller.instructions.moves import Planner, circular, drive, joint, linear
 from sims.controller.instructions.triggers import Trigger, happening_of, signal_of
 from sims.controller.unit import Happening
-from sims.rapid.builtin import Legal, TaskContext, builtin
+from sims.rapid.builtin import Legal, TaskContext
 from sims.rapid.errors import RapidError
 
 __all__: list[str] = []
@@ -43,19 +43,19 @@ def _happenings(task: TaskContext, given: dict[str, Any]) -> list[Happening]:
     return found
 
 
-@builtin(f"PROC TriggL(\\switch Conc, robtarget ToPoint \\identno ID, {HOW})", Legal.MOTION)
+@instruction(f"PROC TriggL(\\switch Conc, robtarget ToPoint \\identno ID, {HOW})", Legal.MOTION)
 async def trigg_l(task: TaskContext, **given: Any) -> None:
     """Straight, with triggers."""
     await drive(task, linear(given["topoint"]), given, _happenings(task, given))
 
 
-@builtin(f"PROC TriggJ(\\switch Conc, robtarget ToPoint \\identno ID, {HOW})", Legal.MOTION)
+@instruction(f"PROC TriggJ(\\switch Conc, robtarget ToPoint \\identno ID, {HOW})", Legal.MOTION)
 async def trigg_j(task: TaskContext, **given: Any) -> None:
     """In joint space, with triggers."""
     await drive(task, joint(given["topoint"]), given, _happenings(task, given))
 
 
-@builtin(
+@instruction(
     f"PROC TriggC(\\switch Conc, robtarget CirPoint, robtarget ToPoint \\identno ID, {HOW})",
     Legal.MOTION,
 )
@@ -70,7 +70,7 @@ def _switched(
 ) -> None:
     how = SWITCHED.format(kind=kind)
 
-    @builtin(f"PROC {name}({points} \\identno ID, {how})", Legal.MOTION)
+    @instruction(f"PROC {name}({points} \\identno ID, {how})", Legal.MOTION)
     async def move(task: TaskContext, **given: Any) -> None:
         """Set an output where the corner is half round, or the arm stands."""
         signal, value = signal_of(given["signal"]), float(given["value"])
@@ -90,7 +90,7 @@ for _end, _kind in (("DO", "signaldo"), ("GO", "signalgo"), ("AO", "signalao")):
 
 
 def _refused(name: str, points: str) -> None:
-    @builtin(f"PROC {name}({points} \\identno ID, {SYNCED})", Legal.MOTION)
+    @instruction(f"PROC {name}({points} \\identno ID, {SYNCED})", Legal.MOTION)
     def refuse(task: TaskContext, **_: Any) -> None:
         del task
         raise not_supported(f"{name}: a procedure at the corner")

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from sims.controller.frames import MM
-from sims.controller.instructions.common import not_supported
+from sims.controller.instructions.common import instruction, not_supported
 from sims.controller.unit import Happening
-from sims.rapid.builtin import Legal, Ref, TaskContext, builtin, opaque
+from sims.rapid.builtin import Legal, Ref, TaskContext, opaque
 from sims.rapid.errors import RapidError
 from sims.rapid.host import Signal
 
@@ -53,7 +53,7 @@ def _setting(given: dict[str, Any]) -> Callable[[TaskContext], None]:
     return lambda _: signal.set(value)
 
 
-@builtin(
+@instruction(
     "PROC TriggIO(VAR triggdata TriggData, num Distance \\switch Start | \\switch Time "
     "\\VAR signaldo DOp | \\VAR signalgo GOp | \\VAR signalao AOp | \\string ProcID, "
     "num SetValue \\num DODelay)",
@@ -65,7 +65,7 @@ def trigg_io(task: TaskContext, **given: Any) -> None:
     given["triggdata"].set(_placed(given, _setting(given), -float(given.get("dodelay") or 0)))
 
 
-@builtin(
+@instruction(
     "PROC TriggEquip(VAR triggdata TriggData, num Distance \\switch Start, num EquipLag "
     "\\VAR signaldo DOp | \\VAR signalgo GOp | \\VAR signalao AOp | \\string ProcID, "
     "num SetValue \\switch Inhib)",
@@ -80,7 +80,7 @@ def trigg_equip(task: TaskContext, **given: Any) -> None:
     given["triggdata"].set(_placed(given, _setting(given), lag_s))
 
 
-@builtin(
+@instruction(
     "PROC TriggInt(VAR triggdata TriggData, num Distance \\switch Start | \\switch Time, "
     "VAR intnum Interrupt)",
     Legal.MOTION,

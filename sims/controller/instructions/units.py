@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from sims.controller.instructions.common import mechanics_of
+from sims.controller.instructions.common import instruction, mechanics_of
 from sims.rapid.builtin import Legal, Ref, TaskContext, builtin
 from sims.rapid.errors import RapidError
 
@@ -59,7 +59,7 @@ def motion_planner_no(task: TaskContext) -> float:
     return 1.0
 
 
-@builtin(
+@instruction(
     "FUNC bool GetNextMechUnit(INOUT num ListNumber, INOUT string UnitName \\INOUT num MecRef "
     "\\INOUT bool TCPRob \\INOUT num NoOfAxes \\INOUT num MecTaskNo \\INOUT num MotPlanNo "
     "\\INOUT bool Active \\INOUT bool DriveModule \\INOUT bool OKToDeact)"
