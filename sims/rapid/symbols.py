@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from functools import cache
+from keyword import iskeyword
 from typing import TYPE_CHECKING, Any
 
 from sims.rapid.ast import (
@@ -276,12 +277,18 @@ def builtin_routines(types: TypeTable) -> Mapping[str, BuiltinRoutine]:
 
 
 @cache
-def _keywords(call: Callable[..., Any]) -> frozenset[str]:
-    return frozenset(inspect.signature(call).parameters)
+def _keywords(call: Callable[..., Any]) -> tuple[frozenset[str], bool]:
+    """The names that a function takes, and whether it takes any."""
+    parameters = inspect.signature(call).parameters
+    takes_any = any(one.kind is inspect.Parameter.VAR_KEYWORD for one in parameters.values())
+    return frozenset(parameters), takes_any
 
 
-def _keyword(keywords: frozenset[str], name: str, declaration: str) -> str:
+def _keyword(names: tuple[frozenset[str], bool], name: str, declaration: str) -> str:
+    known, takes_any = names
+    if takes_any and name not in known:
+        return name + "_" if iskeyword(name) else name
     for candidate in (name, name + "_"):
-        if candidate in keywords:
+        if candidate in known:
             return candidate
     raise TypeError(f"no Python parameter for {name} of {declaration}")

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from sims.rapid import library
 from sims.rapid.ast import Module
@@ -41,6 +42,7 @@ class RapidSystem:
         self.tasks: dict[str, Task] = {}
         self.shared: SharedData = {}
         self._plans: list[TaskPlan] = []
+        self._common: dict[type[Any], Any] = {}
 
     def add_task(
         self,
@@ -80,6 +82,8 @@ class RapidSystem:
         self.tasks.update(made)
         for task in made.values():
             task.halted = self._task_halted
+            task.peers = self.tasks
+            task.common = self._common
             if task.has_entry:
                 task.pp_to_main()
         return problems

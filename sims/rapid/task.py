@@ -1,13 +1,13 @@
 """A task: a program, its machine, and the waiting between the machine's slices."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable, Mapping
 from enum import StrEnum
 from typing import Any, TypeVar, cast
 
 from hal.errors import CellError
 from sims.rapid.ast import DataKind
-from sims.rapid.builtin import Ref, TaskKind
+from sims.rapid.builtin import Ref, TaskContext, TaskKind
 from sims.rapid.data import Cell, Pers
 from sims.rapid.errors import RapidError
 from sims.rapid.frames import Frame, Pointer
@@ -16,7 +16,7 @@ from sims.rapid.machine import Halt, Machine, Outcome
 from sims.rapid.program import Program
 from sims.rapid.symbols import Routine
 
-__all__ = ["NoRoutineError", "Task", "TaskError", "TaskState"]
+__all__ = ["NoRoutineError", "Task", "TaskError", "TaskState", "task_of"]
 
 SLICE_S = 1e-3
 SLICE_STATEMENTS = 200
@@ -43,13 +43,14 @@ class TaskState(StrEnum):
 
 
 class Task:
-    """One RAPID task; what built-ins know as their ``TaskContext``.
+    r"""One RAPID task; what built-ins know as their ``TaskContext``.
 
     It belongs to one event loop, whose time is its time: every statement costs
     ``host.statement_ns``, paid in slices of a millisecond.
 
     ``halted`` is called with the reason when the program itself, not the operator, ends
-    execution. ``services`` is a place for per-task state of built-ins, by its class.
+    execution. ``settled`` waits for the robot to stand still (``WaitTime \InPos``); None: there
+    is none. ``peers`` are the tasks of the system, this one among them.
     """
 
     def __init__(
@@ -71,6 +72,9 @@ class Task:
         self.state = TaskState.STOPPED
         self.is_cyclic = True
         self.services: dict[type[Any], Any] = {}
+        self.common: dict[type[Any], Any] = {}
+        self.peers: Mapping[str, Task] = {name: self}
+        self.settled: Callable[[], Awaitable[None]] | None = None
         self.halted: Callable[[Task, Halt], None] = lambda task, halt: None  # noqa: ARG005
         self.machine = Machine(program, self._warn)
         self.machine.noticed = self._wake
@@ -234,6 +238,12 @@ class Task:
             self.services[kind] = kind()
         return cast("S", self.services[kind])
 
+    def common_service(self, kind: type[S]) -> S:
+        """Return the object of a class that all tasks of the system share."""
+        if kind not in self.common:
+            self.common[kind] = kind()
+        return cast("S", self.common[kind])
+
     def take_debt_s(self) -> float:
         """Return the time that executed statements still owe, and consider it paid."""
         debt, self._debt_s = self._debt_s, 0.0
@@ -394,3 +404,9 @@ class Task:
             for name, datum in self.program.data.items()
             if datum.decl.kind is DataKind.PERS and not datum.module.is_predefined
         }
+
+
+def task_of(context: TaskContext) -> Task:
+    """Return the task behind the context that built-ins get."""
+    assert isinstance(context, Task)
+    return context

@@ -244,12 +244,39 @@ class Statements:
     def _builtin(self, routine: BuiltinRoutine, node: ast.ProcCall) -> None:
         if routine.result is not None:
             raise LinkError(node.at, f"{node.name} is a function: use its value")
+        if routine.name == "WaitUntil":
+            self._wait_until(routine, node)
+            return
         arguments = self.arguments.for_builtin(routine, node.arguments, node.at)
         bound = self.program.bind("B", routine.builtin.call)
+        if routine.name == "CallByVar":
+            name = f"{bound}(C{arguments})"
+            self._do(f"return T.late({name}, [], {self._module()}, @own, @next)")
+            return
         if routine.is_async:
             self._do(f"return T.wait({bound}(C{arguments}), @own, @next, None, None)")
             return
         self._do(f"{bound}(C{arguments})", LOOK_UP)
+
+    def _wait_until(self, routine: BuiltinRoutine, node: ast.ProcCall) -> None:
+        """The condition is evaluated anew at each look."""
+        emitter = self.emitter
+        condition = next((one for one in node.arguments if not one.is_optional), None)
+        if condition is None or condition.value is None:
+            raise LinkError(node.at, "WaitUntil needs a condition")
+        constant = ast.Argument(condition.at, condition.name, ast.BoolLiteral(node.at, True))
+        given = [constant if one is condition else one for one in node.arguments]
+        arguments = self.arguments.for_builtin(routine, given, node.at)
+        slot = f"f[{emitter.local()}]"
+        bound = self.program.bind("B", routine.builtin.call)
+        self._do(f"{slot} = {bound}(C{arguments})", "return @next")
+        again, end = emitter.label(), emitter.label()
+        emitter.place(again)
+        text = self.expressions.condition(condition.value)
+        self._do(f"return @{end.number}@ if {text.text} and {slot}.done() else @next")
+        self._do(f"return @{end.number}@ if {slot}.is_over() else @next")
+        self._do(f"return T.wait({slot}.pause(), @own, @{again.number}@, None, None)")
+        emitter.place(end)
 
     def _connect(self, node: ast.Connect) -> None:
         trap = self.scope.module.find_routine(node.trap.lower())
