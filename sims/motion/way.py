@@ -19,7 +19,8 @@ __all__ = ["Way"]
 
 Array = NDArray[np.float64]
 
-BEND_SHARE = 0.5  # of a joint's acceleration, kept for the way's bends
+JOINT_BEND_SHARE = 0.5  # of an acceleration, for what the way's bends need
+TOOL_BEND_SHARE = 0.9
 JOINT_SPEED_SHARE = 0.985  # smoothing may carry speed a little into a narrow place
 LEAST = 1e-9
 
@@ -149,19 +150,18 @@ class Way:
         speed = np.minimum(min(pace.tcp_mps, most_mps) / tcp, pace.turn_radps / turn)
         joints = (JOINT_SPEED_SHARE * pace.joint_radps / slope).min(axis=1)
         fastest = np.minimum(np.minimum(speed, joints), pace.way_radps) ** 2
-        fastest = np.minimum(fastest, (BEND_SHARE * pace.joint_radps2 / bend).min(axis=1))
+        fastest = np.minimum(fastest, (JOINT_BEND_SHARE * pace.joint_radps2 / bend).min(axis=1))
         if leg.is_cartesian:
-            fastest = np.minimum(fastest, BEND_SHARE * pace.tcp_mps2 / tcp_bend)
+            fastest = np.minimum(fastest, TOOL_BEND_SHARE * pace.tcp_mps2 / tcp_bend)
         most = ((pace.joint_radps2 - bend * fastest[:, None]) / slope).min(axis=1)
         if not leg.is_cartesian:
             return fastest, most, most
         most = np.minimum(most, pace.turn_radps2 / turn)
-        straight = fastest * tcp_bend
-        return (
-            fastest,
-            np.minimum(most, (pace.tcp_mps2 - straight) / tcp),
-            np.minimum(most, np.maximum(pace.tcp_brake_mps2 - straight, 0.1) / tcp),
-        )
+        # Across the way and along it: the tool's acceleration is the hypotenuse.
+        across = np.minimum(fastest * tcp_bend, TOOL_BEND_SHARE * pace.tcp_brake_mps2)
+        speeding = np.sqrt(pace.tcp_mps2**2 - (fastest * tcp_bend) ** 2) / tcp
+        slowing = np.sqrt(pace.tcp_brake_mps2**2 - across**2) / tcp
+        return fastest, np.minimum(most, speeding), np.minimum(most, slowing)
 
     def stopping_grid(self, start: float, joint_radps2: Array) -> Grid:
         """The limits of a stop: what the joints can brake, whatever the move says."""
