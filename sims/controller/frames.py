@@ -49,10 +49,9 @@ def frame_of(pose: Sequence[Any]) -> Array:
     norm = float(np.sqrt(w * w + i * i + j * j + k * k))
     if not np.isfinite(place).all() or not abs(norm - 1) <= MOST_NORM_ERROR:
         raise RapidError(
-            "ERR_ORIENT_VALUE",
+            "ERR_ARGVALERR",
             f"orientation [{w:g}, {i:g}, {j:g}, {k:g}] has the norm {norm:.4f}: normalise it "
             "with NOrient",
-            number=40512,
         )
     w, i, j, k = w / norm, i / norm, j / norm, k / norm
     T = np.eye(4)
@@ -93,7 +92,7 @@ def tool_frame(tool: Sequence[Any]) -> Array:
     """
     if not tool[0]:
         raise RapidError(
-            "ERR_MECHUNIT", "stationary tools (robhold FALSE) are not supported", is_fatal=True
+            "ERR_ARGVALERR", "stationary tools (robhold FALSE) are not supported", is_fatal=True
         )
     return frame_of(tool[1])
 
@@ -111,7 +110,7 @@ def wobj_frame(wobj: Sequence[Any] | None) -> Array:
     is_held, is_fixed, unit = wobj[0], wobj[1], wobj[2]
     if is_held or (not is_fixed and unit):
         raise RapidError(
-            "ERR_MECHUNIT",
+            "ERR_ARGVALERR",
             "work objects held by the robot or moved by another unit are not supported",
             is_fatal=True,
         )

@@ -144,7 +144,7 @@ def instruction(declaration: str, legal: Legal = Legal.ANYWHERE) -> Callable[[F]
 
 def not_supported(what: str) -> RapidError:
     """For what this controller refuses by name."""
-    return RapidError("ERR_MECHUNIT", f"{what} is not supported by this controller", is_fatal=True)
+    return RapidError("ERR_ARGVALERR", f"{what} is not supported by this controller", is_fatal=True)
 
 
 def refusal(mechanics: Mechanics, T_base_flange: Array, error: UnreachableError) -> RapidError:

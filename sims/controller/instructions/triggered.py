@@ -20,7 +20,7 @@ HOW = (
 )
 SWITCHED = (
     "speeddata Speed \\num T, zonedata Zone \\stoppointdata Inpos, PERS tooldata Tool "
-    "\\PERS wobjdata WObj, VAR {kind} Signal, num Value \\switch Corr \\PERS loaddata TLoad"
+    "\\PERS wobjdata WObj, {kind} Signal, num Value \\switch Corr \\PERS loaddata TLoad"
 )
 SYNCED = (
     "speeddata Speed \\num T, zonedata Zone \\stoppointdata Inpos, PERS tooldata Tool "

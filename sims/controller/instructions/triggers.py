@@ -55,7 +55,7 @@ def _setting(given: dict[str, Any]) -> Callable[[TaskContext], None]:
 
 @instruction(
     "PROC TriggIO(VAR triggdata TriggData, num Distance \\switch Start | \\switch Time "
-    "\\VAR signaldo DOp | \\VAR signalgo GOp | \\VAR signalao AOp | \\string ProcID, "
+    "\\signaldo DOp | \\signalgo GOp | \\signalao AOp | \\string ProcID, "
     "num SetValue \\num DODelay)",
     Legal.MOTION,
 )
@@ -67,7 +67,7 @@ def trigg_io(task: TaskContext, **given: Any) -> None:
 
 @instruction(
     "PROC TriggEquip(VAR triggdata TriggData, num Distance \\switch Start, num EquipLag "
-    "\\VAR signaldo DOp | \\VAR signalgo GOp | \\VAR signalao AOp | \\string ProcID, "
+    "\\signaldo DOp | \\signalgo GOp | \\signalao AOp | \\string ProcID, "
     "num SetValue \\switch Inhib)",
     Legal.MOTION,
 )

@@ -21,7 +21,7 @@ def _name_of(given: Any) -> str:
 def _check(given: Any) -> None:
     name = _name_of(given)
     if name.upper() not in UNITS:
-        raise RapidError("ERR_MECHUNIT", f"there is no mechanical unit {name}")
+        raise RapidError("ERR_ARGVALERR", f"there is no mechanical unit {name}")
 
 
 @builtin("PROC ActUnit(VAR mecunit MechUnit)", Legal.MOTION)
@@ -36,7 +36,7 @@ def deact_unit(task: TaskContext, *, mechunit: Ref) -> None:
     """Refused: a robot cannot be deactivated."""
     del task
     _check(mechunit)
-    raise RapidError("ERR_MECHUNIT", "the robot cannot be deactivated")
+    raise RapidError("ERR_ARGVALERR", "the robot cannot be deactivated")
 
 
 @builtin("FUNC bool IsMechUnitActive(VAR mecunit MechUnit)")
