@@ -6,6 +6,8 @@ ends or somebody halts it; ``sims.rapid.task`` waits for what is to be waited fo
 
 from collections.abc import Callable, Coroutine, Sequence
 from enum import Enum, auto
+from itertools import repeat
+from operator import length_hint
 from typing import Any
 
 from sims.rapid.ast import RoutineKind
@@ -105,12 +107,12 @@ class Machine:
             frame = self.frames[-1]
             if frame.wait is not None:
                 return Outcome.WAIT, budget - left
-            rest = 0
-            if frame.retried is not None and self._still_retries(frame):
-                rest, left = left - 1, 1
+            alone = frame.retried is not None and self._still_retries(frame)
+            turns = repeat(None, 1 if alone else left)
+            left -= length_hint(turns)
             steps, f, pc = frame.steps, frame.f, frame.pc
             try:
-                for left in range(left - 1, -1, -1):  # noqa: B020
+                for _ in turns:
                     pc = steps[pc](f)
                     if pc < 0:
                         break
@@ -122,7 +124,7 @@ class Machine:
             except ZeroDivisionError:
                 frame.pc = pc
                 self.recover(RapidError("ERR_DIVZERO", "division by zero"))
-            left += rest
+            left += length_hint(turns)
         return Outcome.BUDGET, budget
 
     def complete(self, frame: Frame) -> None:
@@ -255,6 +257,11 @@ class Machine:
     def reset_retries(self) -> None:
         """``ResetRetryCount``."""
         self.frames[-1].retries = 0
+
+    @property
+    def remaining_retries(self) -> int:
+        """How often RETRY can be tried in the running handler."""
+        return max(0, MAX_RETRIES - self.frames[-1].retries)
 
     # Errors.
 

@@ -11,6 +11,7 @@ from sims.rapid.compile.folding import fold
 from sims.rapid.data import ABSENT, Cell, Element, Pers
 from sims.rapid.errors import Diagnostic, RapidError, RapidLoadError, Severity
 from sims.rapid.host import Signal
+from sims.rapid.names import why_unsupported
 from sims.rapid.parser import parse_expression, parse_text
 from sims.rapid.prelude import prelude_modules
 from sims.rapid.symbols import (
@@ -211,9 +212,9 @@ class Program:
             known.value, known.has_value = pers.value, True
         return known
 
-    def refuses(self, name: str) -> str:  # noqa: ARG002
+    def refuses(self, name: str) -> str:
         """Return why a procedure that is not there never will be, or nothing."""
-        return ""
+        return why_unsupported(name) or ""
 
     # Looking up.
 

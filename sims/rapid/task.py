@@ -48,9 +48,10 @@ class Task:
     It belongs to one event loop, whose time is its time: every statement costs
     ``host.statement_ns``, paid in slices of a millisecond.
 
-    ``halted`` is called with the reason when the program itself, not the operator, ends
-    execution. ``settled`` waits for the robot to stand still (``WaitTime \InPos``); None: there
-    is none. ``peers`` are the tasks of the system, this one among them.
+    ``has_begun`` tells whether it was started since PP to main. ``halted`` is called with the
+    reason when the program itself, not the operator, ends execution. ``settled`` waits for the
+    robot to stand still (``WaitTime \InPos``); None: there is none. ``peers`` are the tasks of
+    the system, this one among them; ``common`` what they share.
     """
 
     def __init__(
@@ -71,6 +72,8 @@ class Task:
         self.entry = entry
         self.state = TaskState.STOPPED
         self.is_cyclic = True
+        self.has_begun = False
+        self.event = 0.0
         self.services: dict[type[Any], Any] = {}
         self.common: dict[type[Any], Any] = {}
         self.peers: Mapping[str, Task] = {name: self}
@@ -132,6 +135,7 @@ class Task:
         self._forget_services()
         self.program.reset()
         self.machine.begin(self._routine(self.entry))
+        self.has_begun = False
 
     def start(self, *, is_cyclic: bool | None = None) -> None:
         """Execute from the pointer on; harmless when started.
@@ -153,6 +157,7 @@ class Task:
         if not self.machine.frames:
             raise TaskError(f"{self.name}: the program pointer is not set: PP to main first")
         self.state = TaskState.STARTED
+        self.has_begun = True
         self.machine.halt = self.machine.fault = None
         self._runner = asyncio.get_running_loop().create_task(self._execute(), name=self.name)
 
@@ -178,13 +183,15 @@ class Task:
         finally:
             self.state = TaskState.STOPPED
 
-    async def call_routine(self, name: str) -> None:
+    async def call_routine(self, name: str, *, event: float = 0.0) -> None:
         """Execute a routine without parameters to its end, on top of what is stopped.
+
+        ``event`` is what ``EventType()`` says meanwhile.
 
         Raises
         ------
         TaskError
-            The task executes, or there is no such routine.
+            The task executes; ``NoRoutineError``: there is no such routine.
         """
         self._check_stopped(f"call {name}")
         routine = self._routine(name)
@@ -192,12 +199,14 @@ class Task:
         self.machine.halt = self.machine.fault = None
         self.machine.begin(routine)
         self.state = TaskState.STARTED
+        self.event = event
         try:
             while len(self.machine.frames) > floor:
                 if await self._slice() is Outcome.HALTED:
                     break
         finally:
             self.state = TaskState.STOPPED
+            self.event = 0.0
         if self.machine.halt is not None:
             self._report(self.machine.halt)
 

@@ -28,7 +28,10 @@ class Arguments(Expressions):
             return self.present(expr)
         routine = self.scope.module.find_routine(name)
         if routine is None:
-            raise LinkError(expr.at, f"the function {expr.name} is not known: load its module")
+            reason = self.program.refuses(expr.name)
+            raise LinkError(
+                expr.at, reason or f"the function {expr.name} is not known: load its module"
+            )
         if routine.result is None:
             raise LinkError(expr.at, f"{expr.name} gives no value: it is not a function")
         slot: Any

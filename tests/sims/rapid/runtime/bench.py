@@ -114,7 +114,7 @@ def modules(text):
     """The modules of a text; a text without MODULE is the inside of one."""
     text = textwrap.dedent(text)
     if "MODULE" not in text:
-        text = f"MODULE Test\n{text}\nENDMODULE"
+        text = f"MODULE Bench\n{text}\nENDMODULE"
     found, diagnostics = parse_text(text, "test.mod")
     assert not diagnostics, [str(one) for one in diagnostics]
     return found
