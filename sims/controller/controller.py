@@ -45,7 +45,7 @@ class Controller:
     """
 
     def __init__(self, world: World, setup: Setup, network: Network) -> None:
-        assert instructions.__all__  # importing it adds the motion instructions
+        instructions.register()
         self.world = world
         self.setup = setup
         self.network = network
@@ -321,8 +321,11 @@ class Controller:
         if not settings.supervises:
             return
         axis = self._supervision.collided_axis(settings.supervision_share)
-        if axis is None:
-            return
+        if axis is not None:
+            self.collide(axis)
+
+    def collide(self, axis: int = 1) -> None:
+        """Motion supervision: an axis is held back; the arm brakes and forgets its path."""
         self.has_collided = True
         cause = f"axis {axis} of {self.unit.name} is held back: the arm has run into something"
         self.log.write(EventKind.ERROR, MOTION, 50204, "Motion supervision", [cause])

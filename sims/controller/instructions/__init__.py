@@ -1,13 +1,13 @@
-"""Motion instructions and functions; importing a module here adds what it has."""
+"""Motion instructions and functions: every module here adds built-ins when it is imported."""
 
-from sims.controller.instructions import (
-    moves,
-    positions,
-    settings,
-    stopping,
-    triggered,
-    triggers,
-    units,
-)
+from importlib import import_module
 
-__all__ = ["moves", "positions", "settings", "stopping", "triggered", "triggers", "units"]
+__all__ = ["register"]
+
+MODULES = ("moves", "positions", "settings", "stopping", "triggered", "triggers", "units")
+
+
+def register() -> None:
+    """Add all of them; harmless when done before."""
+    for name in MODULES:
+        import_module(f"{__name__}.{name}")
