@@ -44,10 +44,11 @@ def _options(
 
 
 def _register() -> None:
-    from cell.cli import bench, capture, conformance, demo, devices, see
+    from cell.cli import bench, capture, conformance, demo, devices, rapid, see
 
     for module in (demo, see, capture, devices, conformance, bench):
         app.command(module.NAME)(module.command)
+    app.add_typer(rapid.app)
 
 
 def main() -> None:
