@@ -14,6 +14,8 @@ __all__ = ["Channel", "Exchange"]
 
 RECEIVE_BYTES = 4096
 MAX_FORGOTTEN = 256
+REFUSED_FOR_S = 1.5
+RETRY_S = 0.02
 
 Event = Callable[[Frame], None]
 
@@ -78,12 +80,13 @@ class Channel:
         Raises
         ------
         LinkError
-            Refused, unreachable, or no answer in time; says what to check.
+            Refused for longer than the controller needs to listen again after its last client,
+            unreachable, or no answer in time; says what to check.
         """
         where = f"{connector.where} port {port}"
         try:
             async with asyncio.timeout(timeout_s):
-                transport = await connector.connect(port)
+                transport = await _persistent(connector, port)
         except TimeoutError as error:
             why = f"no answer from {where} in {timeout_s:g} s"
             advice = connection_advice(port, was_refused=False)
@@ -227,3 +230,16 @@ class Channel:
         return LinkError(
             f"the {self._name} connection is gone ({why}); reopen the device", device=self._device
         )
+
+
+async def _persistent(connector: Connector, port: int) -> Transport:
+    """Connect; a controller that has just lost its last client refuses for a moment."""
+    loop = asyncio.get_running_loop()
+    until_s = loop.time() + REFUSED_FOR_S
+    while True:
+        try:
+            return await connector.connect(port)
+        except ConnectionRefusedError:
+            if loop.time() > until_s:
+                raise
+            await asyncio.sleep(RETRY_S)

@@ -61,7 +61,7 @@ class RapidIo(DigitalIo):
             await session.leave()
 
     async def identity(self) -> Identity:
-        identity = self._linked().identity
+        identity = await self._linked().who()
         return Identity("ABB", f"{identity.robot_type} I/O", identity.serial, identity.version)
 
     async def read(self, name: str) -> bool:

@@ -107,7 +107,7 @@ class RapidRobot(Robot):
         await session.leave()
 
     async def identity(self) -> Identity:
-        identity = self._linked().identity
+        identity = await self._linked().who()
         model = identity.robot_type or self._kinematics.arm.model
         return Identity("ABB", model, identity.serial, identity.version)
 

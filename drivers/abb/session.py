@@ -68,7 +68,6 @@ class Session:
         self.connector = connector
         self.device = device
         self.welcome: Welcome
-        self.identity: IdentityReply
         self.signals: SignalNames
         self.state: ControllerState
         self.channel: Channel
@@ -130,6 +129,10 @@ class Session:
         self._take_state(await self.ask(AskState(), ControllerState))
         return self.state
 
+    async def who(self) -> IdentityReply:
+        """Ask who it is."""
+        return await self.ask(Identify(), IdentityReply)
+
     def stamp_s(self, state: ControllerState) -> float:
         """Return the controller's time of a state, on the loop's clock."""
         return self._clock_s + state.turns * TURN_S + state.time_s
@@ -184,7 +187,6 @@ class Session:
             self.welcome = await self.ask(Hello(MAJOR, MINOR, 0), Welcome)
             self._heard_s = asyncio.get_running_loop().time()
             self._heart = asyncio.get_running_loop().create_task(self._beat(), name="abb heartbeat")
-            self.identity = await self.ask(Identify(), IdentityReply)
             self.signals = await self.ask(AskSignals(), SignalNames)
             self.state = await self.ask(AskState(), ControllerState)
         except DeviceError as error:

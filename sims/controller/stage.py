@@ -9,6 +9,7 @@ from sims.direct.stage import WorldStage
 
 __all__ = ["Cable", "ControllerStage"]
 
+# Relays switch and system outputs follow within this time.
 NOTICED_S = 0.02
 
 
@@ -36,9 +37,17 @@ class ControllerStage(WorldStage):
     async def restore_link(self) -> None:
         self._cable.mend()
 
+    async def press_emergency_stop(self) -> None:
+        await super().press_emergency_stop()
+        await asyncio.sleep(NOTICED_S)
+
     async def release_emergency_stop(self) -> None:
         await super().release_emergency_stop()
         await self._start()
+
+    async def press_protective_stop(self) -> None:
+        await super().press_protective_stop()
+        await asyncio.sleep(NOTICED_S)
 
     async def release_protective_stop(self) -> None:
         await super().release_protective_stop()
@@ -46,6 +55,7 @@ class ControllerStage(WorldStage):
 
     async def switch_motors(self, is_on: bool) -> None:
         await super().switch_motors(is_on)
+        await asyncio.sleep(NOTICED_S)
         if is_on:
             await self._start()
 
@@ -55,6 +65,11 @@ class ControllerStage(WorldStage):
         if mode is OperatingMode.AUTO:
             await self._start()
 
+    async def set_input(self, name: str, value: bool) -> None:
+        await super().set_input(name, value)
+        await asyncio.sleep(NOTICED_S)
+
     async def _start(self) -> None:
         await asyncio.sleep(NOTICED_S)
         await self.controller.start()
+        await asyncio.sleep(NOTICED_S)
