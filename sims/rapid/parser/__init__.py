@@ -80,7 +80,9 @@ def parse_routine_head(text: str) -> RoutineDecl:
         if cursor.kind != "end":
             cursor.refuse("expected nothing more")
     except RapidSyntaxError as fault:
-        raise RapidLoadError([Diagnostic(fault.at, fault.message)]) from None
+        cursor.diagnostics.append(Diagnostic(fault.at, fault.message))
+    if cursor.diagnostics:
+        raise RapidLoadError(cursor.diagnostics)
     return found
 
 
