@@ -44,11 +44,12 @@ def _options(
 
 
 def _register() -> None:
-    from cell.cli import bench, capture, conformance, demo, devices, rapid, see
+    from cell.cli import bench, capture, conformance, demo, devices, rapid, see, sim
 
     for module in (demo, see, capture, devices, conformance, bench):
         app.command(module.NAME)(module.command)
     app.add_typer(rapid.app)
+    app.add_typer(sim.app)
 
 
 def main() -> None:
