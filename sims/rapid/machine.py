@@ -99,11 +99,13 @@ class Machine:
     def run(self, budget: int) -> tuple[Outcome, int]:
         """Carry out at most ``budget`` operations; return why it ended and how many they were."""
         left = budget
-        while left > 0:
+        while True:
             if self.attention:
                 outcome = self._attend()
                 if outcome is not None:
                     return outcome, budget - left
+            if left <= 0:
+                return Outcome.BUDGET, budget
             frame = self.frames[-1]
             if frame.wait is not None:
                 return Outcome.WAIT, budget - left
@@ -125,7 +127,6 @@ class Machine:
                 frame.pc = pc
                 self.recover(RapidError("ERR_DIVZERO", "division by zero"))
             left += length_hint(turns)
-        return Outcome.BUDGET, budget
 
     def complete(self, frame: Frame) -> None:
         """The instruction that a frame waits for has ended: take its result."""

@@ -216,9 +216,12 @@ class Task:
             self._runner.cancel()
             await asyncio.wait({self._runner})
         self.state = TaskState.STOPPED
+        waits = [frame.wait.future for frame in self.machine.frames if frame.wait is not None]
         for frame in self.machine.frames:
             frame.drop_wait()
         self.machine.frames.clear()
+        if pending := [future for future in waits if future is not None]:
+            await asyncio.wait(pending)
         self.machine.interrupts.clear()
         self._forget_services()
 

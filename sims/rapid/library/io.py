@@ -83,12 +83,10 @@ def set_ao(task: TaskContext, *, signal: Signal, value: float) -> None:
     _write(task, signal, value)
 
 
-@builtin("PROC SetGO(\\num SDelay, signalgo Signal, num Value | dnum Dvalue)")
-def set_go(
-    task: TaskContext, *, sdelay: float | None, signal: Signal, value: float, dvalue: float | None
-) -> None:
+@builtin("PROC SetGO(\\num SDelay, signalgo Signal, dnum Value)")
+def set_go(task: TaskContext, *, sdelay: float | None, signal: Signal, value: float) -> None:
     """Write a group of outputs."""
-    _write(task, signal, value if dvalue is None else dvalue, sdelay)
+    _write(task, signal, value, sdelay)
 
 
 @builtin("PROC PulseDO(\\switch High \\num PLength, signaldo Signal)")

@@ -63,8 +63,7 @@ class Pendant:
         return self.answers.pop(0)
 
     async def ask_number(self, question):
-        self.questions.append(question)
-        return self.answers.pop(0)
+        return await self.ask(question, ())
 
 
 class Signal:
