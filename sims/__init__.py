@@ -16,6 +16,7 @@ BACKENDS: dict[str, Backend] = {
 
 SCHEMES: dict[str, Scheme] = {
     "sim": Scheme("sims.world.serving:open_address", "sim:"),
+    "sim-abb": Scheme("sims.controller.wire:open_address", "sim-abb:"),
 }
 
 SUITES: dict[str, str] = {

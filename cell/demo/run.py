@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from cell.attempt import Ending, Outcome
-from cell.build import build_line, make_devices
+from cell.build import Devices, build_line, make_devices
 from cell.config import CellConfig
 from cell.cycle import empty_the_bin
 from cell.demo.controls import Controls
@@ -126,31 +126,35 @@ def _calibration(twin: Twin, options: DemoOptions) -> StereoCalibration:
 async def _empty(
     twin: Twin, options: DemoOptions, journal: Journal, progress: Progress | None
 ) -> tuple[Line, Score, Outcome, StereoEyes]:
-    config = options.config
-    devices = make_devices(config, {"sim": twin.world})
-    eyes = StereoEyes(
+    async with twin.opened() as opened:
+        devices = make_devices(options.config, opened)
+        eyes = _eyes(twin, options, devices)
+        line = build_line(options.config, options.part, devices, eyes, journal, seed=options.seed)
+        eyes.note, eyes.wall = line.note, line.wall
+        score = Score(twin.world, options.part, line)
+        line.listeners.append(score)
+        line.exchange_tray = score.exchange_tray
+        if progress:
+            line.listeners.append(progress)
+        async with devices.robot, devices.gripper, devices.camera, devices.projector:
+            await devices.robot.set_tool(twin.tool)
+            await eyes.prepare()
+            outcome = await _outcome(line)
+            await asyncio.sleep(REST_S)
+    score.judge_tray()
+    return line, score, outcome, eyes
+
+
+def _eyes(twin: Twin, options: DemoOptions, devices: Devices) -> StereoEyes:
+    return StereoEyes(
         devices.camera,
         devices.projector,
         _calibration(twin, options),
         options.part,
-        config,
+        options.config,
         seed=options.seed,
         keeps_pictures=options.keeps_pictures,
     )
-    line = build_line(config, options.part, devices, eyes, journal, seed=options.seed)
-    eyes.note, eyes.wall = line.note, line.wall
-    score = Score(twin.world, options.part, line)
-    line.listeners.append(score)
-    line.exchange_tray = score.exchange_tray
-    if progress:
-        line.listeners.append(progress)
-    async with devices.robot, devices.gripper, devices.camera, devices.projector:
-        await devices.robot.set_tool(twin.tool)
-        await eyes.prepare()
-        outcome = await _outcome(line)
-        await asyncio.sleep(REST_S)
-    score.judge_tray()
-    return line, score, outcome, eyes
 
 
 def _result(

@@ -1,6 +1,9 @@
 """The simulated cell of a demo: world, pile, rig, calibration file, and what is made wrong."""
 
+from collections.abc import AsyncIterator, Mapping
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, replace
+from typing import Any
 
 from cell.config import CellConfig
 from cell.demo.controls import Controls, Images
@@ -11,6 +14,7 @@ from perception.parts import Part
 from sims.camera.residual import calibration_for
 from sims.camera.rig import nominal_calibration
 from sims.camera.stand import Stand, hang_rig
+from sims.controller.wire import running_package
 from sims.world import PartShape, Physics, World, cylinders
 from sims.world.piles import check_fit, fill
 
@@ -87,6 +91,16 @@ class Twin:
         """The gripper as the robot's tool, wrong if that was ordered."""
         place_m = (0.0, -self.controls.offset_m, self.config.fingers.tcp_m)
         return Tool(Transform.from_translation("flange", "tcp", place_m))
+
+    @asynccontextmanager
+    async def opened(self) -> AsyncIterator[Mapping[str, Any]]:
+        """What the cell file's addresses mean, by scheme; controllers run as long as it is open."""
+        async with AsyncExitStack() as running:
+            opened: dict[str, Any] = {"sim": self.world}
+            if self.config.robot.address.startswith("sim-abb:"):
+                controller = running_package(self.world)
+                opened["sim-abb"] = await running.enter_async_context(controller)
+            yield opened
 
     def _spoil(self) -> None:
         faults, controls = self.stand.faults, self.controls

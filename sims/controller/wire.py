@@ -4,13 +4,20 @@ from collections import deque
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 
+from hal.errors import ConfigError
 from sims.controller.controller import Controller
 from sims.controller.package import package_setup
 from sims.rapid.network import MemoryNetwork
 from sims.rapid.network.memory import MemoryStream
 from sims.world import World
 
-__all__ = ["CONTROLLER_ADDRESS", "MemoryConnector", "running_package", "shipped_controller"]
+__all__ = [
+    "CONTROLLER_ADDRESS",
+    "MemoryConnector",
+    "open_address",
+    "running_package",
+    "shipped_controller",
+]
 
 CONTROLLER_ADDRESS = "192.168.125.1"
 CLIENT_ADDRESS = "192.168.125.50"
@@ -57,6 +64,20 @@ def shipped_controller(
     network = MemoryNetwork(CONTROLLER_ADDRESS)
     setup = package_setup(overrides=overrides)
     return Controller(world, setup, network), MemoryConnector(network)
+
+
+def open_address(rest: str) -> MemoryConnector:
+    """There is no controller at an address of its own: a twin brings its controller along.
+
+    Raises
+    ------
+    ConfigError
+        Always; says where such an address does mean something.
+    """
+    raise ConfigError(
+        f"'sim-abb:{rest}' is the controller of a simulated cell, as `binpick demo` runs it; for "
+        "one that stands alone start `binpick sim abb` and write tcp:127.0.0.1"
+    )
 
 
 @asynccontextmanager

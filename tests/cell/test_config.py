@@ -34,7 +34,7 @@ def test_the_demo_cell_is_a_cell():
         ("force_n = 90.0", "force_n = nan", "grasp.force_n"),
         ("shots = 4", "shots = 0", "camera.shots"),
         ("shots = 4", 'shots = "many"', "camera.shots"),
-        ('backend = "direct-robot"', "", "robot.backend: is missing"),
+        ('backend = "abb-rapid"', "", "robot.backend: is missing"),
         ("size_m = [0.36, 0.26, 0.14]", "size_m = [0.36, 0.26]", "bin.size_m"),
         (
             "position_m = [0.30, -0.50, 0.05]",

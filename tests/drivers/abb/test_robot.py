@@ -62,7 +62,7 @@ def test_opening_says_who_the_controller_is_and_moves_nothing():
 
     identity, heard = with_robot(main)
     assert (identity.vendor, identity.model, identity.firmware) == ("ABB", "IRB 1200-5/0.9", "6.08")
-    assert {type(message) for message in heard} == {m.Hello, m.Identify, m.AskSignals, m.AskState}
+    assert {type(message) for message in heard} == {m.Hello, m.AskSignals, m.AskState, m.Identify}
 
 
 def test_a_new_motion_connection_is_told_tool_and_load_before_anything_else():
