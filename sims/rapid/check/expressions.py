@@ -199,6 +199,7 @@ class Expressions:
         given = self.type_of(expr.operand)
         if given is not None and (given.name in {"bool", "string"} or given.rank):
             self.error(expr.at, f"{_a(given)} has no sign")
+            return None
         return given if given is not None and given.name not in SIGNALS else None
 
     def _binary(self, expr: Binary) -> Known | None:

@@ -78,8 +78,8 @@ class Cursor:
 
     @property
     def begins_line(self) -> bool:
-        """Whether the token before the current one stands on an earlier line."""
-        return self.gap.line < self.place.line
+        """Whether the token before the current one, if any, stands on an earlier line."""
+        return self.index == 0 or self.gap.line < self.place.line
 
     @property
     def gap(self) -> Place:
@@ -94,9 +94,9 @@ class Cursor:
             self.kind = self._kinds[self.index]
 
     def peek(self, ahead: int = 1) -> str:
-        """The kind of a token further on."""
+        """The kind of a token further on, or before."""
         at = self.index + ahead
-        return self._kinds[at] if at < len(self._kinds) else "end"
+        return self._kinds[at] if 0 <= at < len(self._kinds) else "end"
 
     def accept(self, kind: str) -> bool:
         """Step over the token if it is of this kind."""
@@ -136,7 +136,7 @@ class Cursor:
     def refuse(self, message: str) -> NoReturn:
         """Fail at the current token, or after the last one if that stands on an earlier line."""
         found = _in_words(self.kind, self.text)
-        at = self.gap if self.begins_line else self.place
+        at = self.gap if self.begins_line and self.index else self.place
         raise RapidSyntaxError(at, f"{message}, found {found}")
 
     def report(self, at: Place, message: str, severity: Severity = Severity.ERROR) -> None:

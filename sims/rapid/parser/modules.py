@@ -42,11 +42,11 @@ def modules_of(text: str, source: str) -> tuple[list[Module], list[Diagnostic]]:
 
 
 def _to_module(cursor: Cursor, *, is_first: bool) -> None:
-    """Skip what is around modules: a MODULE counts where it begins a line."""
+    """Skip what is around modules: a MODULE counts where it begins a line or follows another."""
     begin = cursor.place
     while cursor.kind != "end":
         is_begin = cursor.kind == "MODULE" and cursor.peek() in ("name", "placeholder")
-        if is_begin and (cursor.index == 0 or cursor.begins_line):
+        if is_begin and (cursor.peek(-1) == "ENDMODULE" or cursor.begins_line):
             break
         cursor.advance()
     if is_first and cursor.kind == "end":
