@@ -209,6 +209,10 @@ class Machine:
             "no RETURN", f"the function {name} ended without a value", is_fatal=True, number=40_023
         )
 
+    def missing(self, message: str) -> int:
+        """A function that is not there is called. ERR_REFUNKPRC."""
+        raise RapidError("ERR_REFUNKPRC", message)
+
     def unfinished(self, text: str) -> int:
         """A placeholder is reached."""
         raise RapidError(

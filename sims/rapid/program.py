@@ -9,7 +9,7 @@ from sims.rapid.ast import Module, Place, RoutineKind, Scope
 from sims.rapid.compile import compile_routine, evaluate
 from sims.rapid.compile.folding import fold
 from sims.rapid.data import ABSENT, Cell, Element, Pers
-from sims.rapid.errors import Diagnostic, RapidError, RapidLoadError, Severity
+from sims.rapid.errors import Diagnostic, RapidError, RapidLoadError
 from sims.rapid.host import Signal
 from sims.rapid.names import why_unsupported
 from sims.rapid.parser import parse_expression, parse_text
@@ -34,6 +34,7 @@ _NUMBER = Shape(NUM, (), "num")
 class Program:
     """The names and the code of one task.
 
+    ``extra`` is data that the system adds, as (type, name).
     ``shared`` are the persistents of all tasks, by lower-case name; ``namespace`` is what
     compiled code can name.
     """
@@ -44,6 +45,7 @@ class Program:
         signals: Mapping[str, Signal],
         shared: SharedData,
         overrides: Mapping[str, str] | None = None,
+        extra: Sequence[tuple[str, str]] = (),
     ) -> None:
         self.signals = signals
         self.types = TypeTable()
@@ -57,7 +59,7 @@ class Program:
         self._overrides = {name.lower(): text for name, text in (overrides or {}).items()}
         self._used_overrides: set[str] = set()
         self._error_names: dict[int, str] = {}
-        for tree in (*prelude_modules(), *_state_modules()):
+        for tree in (*prelude_modules(), *_state_modules(tuple(extra))):
             problems = self._declare(ModuleScope(tree, self, is_predefined=True))
             if problems:
                 raise RapidLoadError(problems)
@@ -242,16 +244,12 @@ class Program:
         return int(cell.value) if cell is not None and cell.base == "num" else 0
 
 
-@lru_cache(maxsize=1)
-def _state_modules() -> tuple[Module, ...]:
-    """What the machine tells the program."""
-    text = "MODULE PRELUDE_STATE\nVAR errnum ERRNO;\nVAR intnum INTNO;\nENDMODULE"
+@lru_cache(maxsize=64)
+def _state_modules(extra: tuple[tuple[str, str], ...]) -> tuple[Module, ...]:
+    """What the machine tells the program, and data that the system adds."""
+    added = "".join(f"VAR {kind} {name};\n" for kind, name in extra)
+    text = f"MODULE PRELUDE_STATE\nVAR errnum ERRNO;\nVAR intnum INTNO;\n{added}ENDMODULE"
     return tuple(parse_text(text, "<state>")[0])
-
-
-def warnings_of(diagnostics: Sequence[Diagnostic]) -> list[Diagnostic]:
-    """Return those that do not refuse the load."""
-    return [one for one in diagnostics if one.severity is Severity.WARNING]
 
 
 def _declare_types(scope: ModuleScope, shared: TypeTable) -> list[Diagnostic]:

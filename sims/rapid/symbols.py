@@ -38,6 +38,7 @@ __all__ = [
     "BuiltinRoutine",
     "Datum",
     "LinkError",
+    "MissingError",
     "ModuleScope",
     "ParamInfo",
     "Routine",
@@ -53,6 +54,10 @@ class LinkError(Exception):
     def __init__(self, at: Place, message: str) -> None:
         super().__init__(message)
         self.diagnostic = Diagnostic(at, message)
+
+
+class MissingError(LinkError):
+    """A routine is not there; it may be loaded later, so reaching the call is the error."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import Any
 from sims.rapid import library
 from sims.rapid.ast import Module
 from sims.rapid.builtin import Ref, TaskKind
+from sims.rapid.check import check
 from sims.rapid.data import Pers
 from sims.rapid.errors import Diagnostic, RapidLoadError, Severity
 from sims.rapid.host import Host
@@ -36,8 +37,9 @@ class RapidSystem:
     from PP to main to PP to main, not over a load.
     """
 
-    def __init__(self, host: Host) -> None:
+    def __init__(self, host: Host, *, units: Sequence[str] = ("ROB_1",)) -> None:
         library.register()
+        self._units = tuple(units)
         self.host = host
         self.tasks: dict[str, Task] = {}
         self.shared: SharedData = {}
@@ -70,13 +72,18 @@ class RapidSystem:
         """
         self.shared.clear()
         self.tasks.clear()
-        problems: list[Diagnostic] = []
+        warnings: list[Diagnostic] = []
+        errors: list[Diagnostic] = []
+        for plan in self._plans:
+            for problem in self._check(plan):
+                chosen = errors if problem.severity is Severity.ERROR else warnings
+                chosen.append(problem)
+        if errors:
+            raise RapidLoadError(errors)
         made: dict[str, Task] = {}
         for plan in self._plans:
-            task, wrong = self._make(plan)
-            problems += wrong
-            made[plan.name] = task
-        errors = [problem for problem in problems if problem.severity is Severity.ERROR]
+            made[plan.name], wrong = self._make(plan)
+            errors += wrong
         if errors:
             raise RapidLoadError(errors)
         self.tasks.update(made)
@@ -86,7 +93,7 @@ class RapidSystem:
             task.common = self._common
             if task.has_entry:
                 task.pp_to_main()
-        return problems
+        return warnings
 
     def find(self, task: str, name: str) -> Ref | None:
         """Data of a task by name; ``module:name`` for local data."""
@@ -107,8 +114,29 @@ class RapidSystem:
         """A persistent that tasks share, by name."""
         return self.shared.get(name.lower())
 
+    def _check(self, plan: TaskPlan) -> list[Diagnostic]:
+        others = {other.name: other.modules for other in self._plans if other.name != plan.name}
+        return check(
+            plan.modules,
+            kind=plan.kind,
+            has_motion=plan.has_motion,
+            signals=self.host.signals.keys(),
+            others=others,
+            extra=[name for _, name in self._extra()],
+        )
+
+    def _extra(self) -> list[tuple[str, str]]:
+        """Data that every task finds: the tasks and the mechanical units."""
+        tasks = [("taskid", f"{plan.name}Id") for plan in self._plans if plan.name.isidentifier()]
+        return [*tasks, *(("mecunit", unit) for unit in self._units)]
+
     def _make(self, plan: TaskPlan) -> tuple[Task, list[Diagnostic]]:
-        program = Program(signals=self.host.signals, shared=self.shared, overrides=plan.overrides)
+        program = Program(
+            signals=self.host.signals,
+            shared=self.shared,
+            overrides=plan.overrides,
+            extra=self._extra(),
+        )
         task = Task(
             plan.name,
             kind=plan.kind,

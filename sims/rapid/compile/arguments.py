@@ -10,7 +10,7 @@ from sims.rapid.compile.expressions import Expressions, component, indexed, unfo
 from sims.rapid.compile.matching import match
 from sims.rapid.compile.scope import Local
 from sims.rapid.compile.texts import BOOLEAN, NUMBER, Text, literal, owned
-from sims.rapid.symbols import BuiltinRoutine, LinkError, ParamInfo, Routine
+from sims.rapid.symbols import BuiltinRoutine, LinkError, MissingError, ParamInfo, Routine
 from sims.rapid.types import Kind, Shape
 
 __all__ = ["Arguments"]
@@ -28,10 +28,9 @@ class Arguments(Expressions):
             return self.present(expr)
         routine = self.scope.module.find_routine(name)
         if routine is None:
-            reason = self.program.refuses(expr.name)
-            raise LinkError(
-                expr.at, reason or f"the function {expr.name} is not known: load its module"
-            )
+            if reason := self.program.refuses(expr.name):
+                raise LinkError(expr.at, reason)
+            raise MissingError(expr.at, f"the function {expr.name} is not known: load its module")
         if routine.result is None:
             raise LinkError(expr.at, f"{expr.name} gives no value: it is not a function")
         slot: Any

@@ -215,7 +215,10 @@ class Expressions(ABC):
         if link.op in {"AND", "OR", "XOR"}:
             return self.condition(node)
         if isinstance(node, ast.Aggregate):
-            return self.value(node, self._shape_of(link.right))
+            is_compared = link.op in _COMPARE
+            return self.value(
+                node, self._shape_of(link.right) if is_compared else self._vector(node)
+            )
         return self.value(node, expected if isinstance(node, ast.Number) else None)
 
     def _shape_of(self, expr: ast.Expr) -> Shape:
@@ -224,6 +227,11 @@ class Expressions(ABC):
         self.emitter.cut(position)
         return shape
 
+    def _vector(self, node: ast.Aggregate) -> Shape:
+        """What can be calculated with: a pos, or an orient of four."""
+        name = "orient" if len(node.items) == 4 else "pos"
+        return self.scope.module.shape(name, (), node.at)
+
     def _combine(self, expr: ast.Binary, left: Text) -> Text:
         if expr.op in {"AND", "OR"}:
             return self._logic(expr, left)
@@ -231,7 +239,8 @@ class Expressions(ABC):
         if expr.op == "XOR":
             right = self.condition(expr.right)
         elif isinstance(expr.right, ast.Aggregate):
-            right = self.value(expr.right, left.shape)
+            shape = left.shape if expr.op in _COMPARE else self._vector(expr.right)
+            right = self.value(expr.right, shape)
         else:
             right = self.value(expr.right)
         if self.emitter.position() > position and not left.is_fixed:

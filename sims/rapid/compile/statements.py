@@ -10,7 +10,7 @@ from sims.rapid.compile.emitter import Emitter, Label
 from sims.rapid.compile.expressions import component, indexed, unfold
 from sims.rapid.compile.scope import Local, RoutineScope
 from sims.rapid.compile.texts import NUMBER, TEXT, Text, literal, owned
-from sims.rapid.symbols import BuiltinRoutine, LinkError, Routine
+from sims.rapid.symbols import BuiltinRoutine, LinkError, MissingError, Routine
 from sims.rapid.types import Kind, Shape
 
 __all__ = ["Statements"]
@@ -40,6 +40,9 @@ class Statements:
             position = self.emitter.position()
             try:
                 self._statement(statement)
+            except MissingError as error:
+                self.emitter.cut(position)
+                self._do(f"return T.missing({literal(str(error))})")
             except LinkError as error:
                 self.errors.append(error)
                 self.emitter.cut(position)

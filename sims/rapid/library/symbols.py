@@ -133,7 +133,7 @@ def _same_type(cell: Cell, value: Ref) -> None:
 
 
 @builtin(
-    "PROC GetDataVal(string Object \\VAR datapos Block | string TaskRef | string TaskName, "
+    "PROC GetDataVal(string Object \\VAR datapos Block | VAR taskid TaskRef | string TaskName, "
     "INOUT anytype Value)"
 )
 def get_data_val(task: TaskContext, **arguments: Any) -> None:
@@ -144,7 +144,7 @@ def get_data_val(task: TaskContext, **arguments: Any) -> None:
 
 
 @builtin(
-    "PROC SetDataVal(string Object \\VAR datapos Block | string TaskRef | string TaskName, "
+    "PROC SetDataVal(string Object \\VAR datapos Block | VAR taskid TaskRef | string TaskName, "
     "REF anytype Value)"
 )
 def set_data_val(task: TaskContext, **arguments: Any) -> None:
@@ -174,7 +174,8 @@ def set_all_data_val(task: TaskContext, **arguments: Any) -> None:
 
 
 def _peer(task: TaskContext, arguments: dict[str, Any]) -> TaskContext:
-    name = arguments["taskname"] or arguments["taskref"]
+    reference: Ref | None = arguments["taskref"]
+    name = arguments["taskname"] if reference is None else reference.name
     if not name:
         return task
     for other in task_of(task).peers.values():

@@ -95,7 +95,7 @@ def test_a_shared_persistent_of_two_types_refuses_the_load():
     errors = load_errors(
         "PERS num a := 1;\n PROC main()\n ENDPROC", 'PERS string a := "";\n PROC main()\n ENDPROC'
     )
-    assert any("a is a num in another task" in error for error in errors)
+    assert any("a is a num here and a string in task T_2" in error for error in errors)
 
 
 def test_pp_to_main_gives_variables_their_first_values_and_keeps_persistents():
