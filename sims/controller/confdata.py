@@ -42,6 +42,8 @@ def _cfx(arm: ArmModel, q: Array) -> int:
 
 def is_in(joints_rad: Array, confdata: Sequence[float]) -> bool:
     """Whether axes 1, 4 and 6 lie in the quarters asked for, edges included."""
+    if not np.isfinite(confdata).all():
+        return False
     for axis, quarter in zip(TURNING_AXES, confdata, strict=False):
         low = round(quarter) * QUARTER
         if not low - EDGE_RAD <= joints_rad[axis] <= low + QUARTER + EDGE_RAD:

@@ -92,7 +92,7 @@ class _FaultyStream:
             await asyncio.sleep(network.delay_s)
         if network.merge_s > 0:
             await asyncio.sleep(network.merge_s)
-            while self._inner.pending():
+            while self._inner.pending() and len(self._held) < MOST_HELD:
                 await self._fetch()
         if self._is_dropped:
             raise ConnectionResetError("the connection was lost")

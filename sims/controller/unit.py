@@ -55,6 +55,7 @@ class Move:
     happenings: Sequence[Happening] = ()
     until: float = np.inf
     ended: "asyncio.Future[None] | None" = field(default=None, repr=False)
+    is_awaited: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +99,7 @@ class MechanicalUnit:
         self._player: WayPlayer | None = None
         self._regain: WayPlayer | None = None
         self._is_changed = False
+        self._failure: Exception | None = None
         self._happenings: list[Happening] = []
         self._passed: list[asyncio.Future[None]] = []
         self._standing: list[asyncio.Future[None]] = []
@@ -109,7 +111,8 @@ class MechanicalUnit:
     @property
     def is_driving(self) -> bool:
         """Whether set-points are being given."""
-        return self._player is not None or self._regain is not None
+        is_ours = self._player is not None or self._regain is not None
+        return is_ours or self._world.arm.is_following
 
     @property
     def is_standing(self) -> bool:
@@ -189,16 +192,30 @@ class MechanicalUnit:
         return begin + leg.length_before_end(happening.distance_m)
 
     async def ended(self, move: Move) -> None:
-        """Wait until the arm stands at a move's end, or the move was dropped."""
+        """Wait until the arm stands at a move's end, or the move was dropped.
+
+        Raises the error of ``fail``.
+        """
         if move.ended is not None:
+            move.is_awaited = True
             await asyncio.shield(move.ended)
 
     async def room(self) -> None:
-        """Wait until the program may run on: few moves ahead, or little time."""
+        """Wait until the program may run on: few moves ahead, or little time.
+
+        Raises the error of a ``fail`` that no other wait was told of.
+        """
         while self._is_far_ahead():
             future: asyncio.Future[None] = asyncio.get_running_loop().create_future()
             self._passed.append(future)
             await future
+        self.check()
+
+    def check(self) -> None:
+        """Raise the error of a ``fail`` that no wait was told of; once."""
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
 
     def _is_far_ahead(self) -> bool:
         count = len(self.moves)
@@ -226,12 +243,17 @@ class MechanicalUnit:
         self._wake(self._passed)
 
     def fail(self, error: Exception) -> None:
-        """Brake, forget the path, and let the moves that are waited for raise ``error``."""
-        waiting = [move.ended for move in self.moves if move.ended is not None]
-        for future in waiting:
+        """Brake, forget the path, and let whoever waits for a move get ``error``.
+
+        Without such a wait the next ``room`` or ``check`` raises it.
+        """
+        awaited = [m.ended for m in self.moves if m.is_awaited and m.ended is not None]
+        for future in awaited:
             if not future.done():
                 future.set_exception(error)
-                future.exception()  # nobody may be waiting
+                future.exception()  # the wait may have been given up
+        if not awaited:
+            self._failure = error
         self.drop()
 
     def store(self) -> None:
@@ -317,6 +339,9 @@ class MechanicalUnit:
             self._wake(self._passed)
             return
         if self._way.end - self._place <= ARRIVED:
+            return
+        if self._world.arm.is_following:  # somebody else's path is still braking
+            self._is_changed = True
             return
         start = self._way.joints_rad(np.array([self._place]))[0]
         if np.abs(start - self._world.arm.target_rad).max() > AWAY_RAD:

@@ -1,7 +1,7 @@
 """What motion instructions share: the arm behind a task, tool and object, errors by name."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar, cast
 
@@ -178,11 +178,15 @@ def joints_for(
     if joints is None:
         raise RapidError(
             "ERR_PATH_STOP",
-            f"the target cannot be reached with the configuration {[round(c) for c in conf]}: "
+            f"the target cannot be reached with the configuration {_printed(conf)}: "
             "teach it again, or use ConfJ \\Off",
             number=CONF_NUMBER,
         )
     return joints
+
+
+def _printed(conf: Sequence[float]) -> str:
+    return f"[{', '.join(f'{c:g}' for c in conf)}]"
 
 
 def _where(T_base_flange: Array) -> str:

@@ -128,7 +128,7 @@ def _check_linear_conf(mechanics: Mechanics, leg: Leg, conf: Sequence[float]) ->
     raise RapidError(
         "ERR_PATH_STOP",
         f"the line ends in the configuration {reached}, programmed is "
-        f"{[round(c) for c in conf]}: teach it again, or use ConfL \\Off",
+        f"[{', '.join(f'{c:g}' for c in conf)}]: teach it again, or use ConfL \\Off",
         number=CONF_NUMBER,
     )
 
@@ -138,7 +138,10 @@ def _speed(given: dict[str, Any]) -> Speed:
     v_tcp = v_tcp if given.get("v") is None else given["v"]
     if not (v_tcp > 0 and v_ori > 0):
         raise RapidError("ERR_ARGVALERR", f"a speed of {v_tcp:g} mm/s, {v_ori:g} deg/s")
-    return Speed(max(v_tcp * MM, LEAST_MPS), float(np.radians(v_ori)), given.get("t"))
+    duration_s = given.get("t")
+    if duration_s is not None and not duration_s > 0:
+        raise RapidError("ERR_ARGVALERR", f"a duration of {duration_s:g} s")
+    return Speed(max(v_tcp * MM, LEAST_MPS), float(np.radians(v_ori)), duration_s)
 
 
 def _zone(given: dict[str, Any]) -> Zone | None:
@@ -167,6 +170,7 @@ async def drive(
     unit, settings = mechanics.unit, mechanics.settings
     setup = Setup.of(given["tool"].get(), value_of(given.get("wobj")))
     speed, zone = _speed(given), _zone(given)
+    unit.check()
     while unit.is_dropping:
         await unit.standing()
     mechanics.active = setup
@@ -174,9 +178,7 @@ async def drive(
     move = Move(leg, settings.pace(unit.arm, speed, leg), zone, happenings)
     unit.ramp_share = settings.ramp_share
     unit.add(move, setup.T_flange_tcp)
-    if given.get("conc"):
-        return
-    if zone is None:
+    if zone is None and not given.get("conc"):
         await unit.ended(move)
     else:
         await unit.room()

@@ -5,7 +5,7 @@ from typing import Any
 
 from sims.controller.instructions.common import instruction, not_supported
 from sims.controller.instructions.moves import Planner, circular, drive, joint, linear
-from sims.controller.instructions.triggers import Trigger, happening_of, signal_of
+from sims.controller.instructions.triggers import Trigger, happening_of, signal_of, told
 from sims.controller.unit import Happening
 from sims.rapid.builtin import Legal, TaskContext
 from sims.rapid.errors import RapidError
@@ -74,7 +74,7 @@ def _switched(
     async def move(task: TaskContext, **given: Any) -> None:
         """Set an output where the corner is half round, or the arm stands."""
         signal, value = signal_of(given["signal"]), float(given["value"])
-        happening = Happening(lambda: signal.set(value), is_at_corner=True)
+        happening = Happening(lambda: told(task, lambda: signal.set(value)), is_at_corner=True)
         await drive(task, planner(given), given, [happening])
 
 

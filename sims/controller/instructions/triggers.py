@@ -9,9 +9,9 @@ from sims.controller.instructions.common import instruction, not_supported
 from sims.controller.unit import Happening
 from sims.rapid.builtin import Legal, Ref, TaskContext, opaque
 from sims.rapid.errors import RapidError
-from sims.rapid.host import Signal
+from sims.rapid.host import EventKind, Signal
 
-__all__ = ["Trigger", "happening_of", "signal_of"]
+__all__ = ["Trigger", "happening_of", "signal_of", "told"]
 
 opaque("triggdata")
 
@@ -33,9 +33,20 @@ class Trigger:
 
 def happening_of(trigger: Trigger, task: TaskContext) -> Happening:
     """A trigger for one move of a task."""
-    return Happening(
-        lambda: trigger.act(task), trigger.distance_m, trigger.lead_s, trigger.is_from_start
-    )
+
+    def act() -> None:
+        told(task, lambda: trigger.act(task))
+
+    return Happening(act, trigger.distance_m, trigger.lead_s, trigger.is_from_start)
+
+
+def told(task: TaskContext, act: Callable[[], None]) -> None:
+    """Do something on the way; what it refuses is logged, for no instruction waits for it."""
+    try:
+        act()
+    except RapidError as error:
+        cause = [f"Task {task.name}", str(error)]
+        task.host.log.write(EventKind.ERROR, 4, 40223, "Trigger failed", cause)
 
 
 def signal_of(given: Any) -> Signal:
@@ -94,7 +105,7 @@ def trigg_int(task: TaskContext, **given: Any) -> None:
 
 def _placed(given: dict[str, Any], act: Callable[[TaskContext], None], lead_s: float) -> Trigger:
     distance = float(given["distance"])
-    if distance < 0:
+    if not distance >= 0:
         raise RapidError("ERR_ARGVALERR", f"a trigger at a distance of {distance:g}")
     if given.get("time"):
         return Trigger(act, 0.0, min(distance, LONGEST_EARLY_S) + lead_s, False)

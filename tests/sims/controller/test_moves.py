@@ -161,6 +161,17 @@ def test_work_object_and_tool_are_taken_into_account(bench):
         ("MoveL Offs(p0, 2000, 0, 0), v500, fine, tTool;", "ERR_OUTSIDE_REACH"),
         ("MoveJ Offs(p0, 2000, 0, 0), v500, fine, tTool;", "ERR_OUTSIDE_REACH"),
         ("MoveAbsJ [[0, 0, 0, 0, 150, 0], NONE], v500, fine, tTool;", "ERR_ROBLIMIT"),
+        (
+            "MoveJ [p0.trans, p0.rot, [9E9, 9E9, 9E9, 9E9], NONE], v500, fine, tTool;",
+            "ERR_PATH_STOP",
+        ),
+        ("MoveAbsJ [[9E9, 0, 0, 0, 0, 0], NONE], v500, fine, tTool;", "ERR_ROBLIMIT"),
+        ("MoveL p0, [0, 500, 5000, 1000], fine, tTool;", "ERR_ARGVALERR"),
+        ("MoveL p0, v100 \\T:=0, fine, tTool;", "ERR_ARGVALERR"),
+        (
+            "MoveL [[1E37, -1E37, 1E37], p0.rot, p0.robconf, NONE], v100, fine, tTool;",
+            "ERR_OUTSIDE_REACH",
+        ),
         ("MoveC Offs(p0, 0, 50, 0), Offs(p0, 0, 100, 0), v200, fine, tTool;", "ERR_PATH_STOP"),
         (
             "MoveJ [p0.trans, p0.rot, [1, 0, 0, 0], NONE], v500, fine, tTool;",
