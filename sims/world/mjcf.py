@@ -26,6 +26,8 @@ BIN_FLOOR_M = 0.030  # thick, so that nothing falls through
 GRIPPER_MASS_KG = 0.9
 FINGER_MASS_KG = 0.06
 STROKE_M = 0.035
+# Memory for contacts: a pile needs much, and many empty worlds stand side by side in tests.
+ARENA_M, EMPTY_ARENA_M = 200, 16
 
 
 def _numbers(*values: float) -> str:
@@ -183,7 +185,7 @@ def _hulls(shape: PartShape | None) -> str:
     )
 
 
-def _head(physics: Physics, solver: str) -> str:
+def _head(physics: Physics, solver: str, parts: int) -> str:
     contact = physics.part_contact
     mu = physics.part_friction
     return f"""
@@ -194,7 +196,7 @@ def _head(physics: Physics, solver: str) -> str:
  iterations="{physics.iterations}"
  tolerance="{physics.tolerance:g}" sleep_tolerance="{physics.sleep_tolerance:g}">
  <flag sleep="enable" multiccd="enable"/></option>
-<size memory="200M"/>
+<size memory="{ARENA_M if parts else EMPTY_ARENA_M}M"/>
 <default><geom solref="{contact.solref}" solimp="{contact.solimp}"/>
  <default class="arm"><geom contype="1" conaffinity="2" friction="0.3"/></default>
  <default class="finger"><geom contype="1" conaffinity="2" condim="4" priority="1"
@@ -249,7 +251,7 @@ def cell_mjcf(
     bodies = "".join(
         part_body_mjcf(f"part{k}", shape, physics) for k in range(parts) if shape is not None
     )
-    return f"""<mujoco model="cell">{_head(physics, solver)}
+    return f"""<mujoco model="cell">{_head(physics, solver, parts)}
 <asset>{_hulls(shape)}</asset>
 <worldbody>{layout_mjcf(layout)}{arm_mjcf(arm, layout.fingers, physics)}{bodies}</worldbody>
 {_actuators(arm, physics)}{_equalities(parts, physics)}
@@ -263,7 +265,7 @@ def inverse_mjcf(arm: ArmModel, fingers: Fingers, physics: Physics) -> str:
         '<body name="load"><inertial mass="1e-9" pos="0 0 0" diaginertia="1e-12 1e-12 1e-12"/>'
         '</body><site name="tcp"',
     )
-    return f"""<mujoco model="arm">{_head(physics, "Newton")}
+    return f"""<mujoco model="arm">{_head(physics, "Newton", 0)}
 <option><flag contact="disable" limit="disable" actuation="disable" equality="disable"
  sleep="disable"/></option>
 <worldbody>{tree}</worldbody></mujoco>"""

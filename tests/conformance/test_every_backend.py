@@ -14,7 +14,7 @@ def test_every_registered_backend_is_held_to_the_promises_of_its_kind():
 
 
 def test_every_suite_is_collected_here():
-    from tests.conformance import test_direct
+    from tests.conformance import test_abb, test_direct
 
     targets = {target.partition(":")[2] for target in registry().suites.values()}
-    assert targets == set(test_direct.__all__)
+    assert targets == {*test_direct.__all__, *test_abb.__all__}
