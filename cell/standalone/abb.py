@@ -1,10 +1,12 @@
 """A simulated ABB controller on this machine's network, in wall time, until it is told to end."""
 
 import asyncio
+import shutil
 import signal
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Protocol
 
 from drivers.arms import ARMS, ArmModel
@@ -71,10 +73,21 @@ def run_abb(options: AbbOptions, view: View) -> dict[str, Any]:
     setup, arm = _setup(options)
     world = World(arm=arm)
     loop = PacedLoop(world)
-    try:
-        return loop.run_until_complete(_run(options, setup, world, view))
-    finally:
-        loop.close()
+    with TemporaryDirectory(prefix="binpick-home-") as folder:
+        if options.home is None and options.backup is not None:
+            setup = setup.changed(home=_disk(options.backup, Path(folder)))
+        try:
+            return loop.run_until_complete(_run(options, setup, world, view))
+        finally:
+            loop.close()
+
+
+def _disk(backup: Path, folder: Path) -> Path:
+    """A copy of the backup's HOME: programs may write there, a backup stays as it is."""
+    home = read_backup(backup).home
+    if home is not None:
+        shutil.copytree(home, folder, dirs_exist_ok=True)
+    return folder
 
 
 def _setup(options: AbbOptions) -> tuple[Setup, ArmModel]:

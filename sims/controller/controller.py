@@ -148,7 +148,7 @@ class Controller:
                 has_motion=task.has_motion,
                 modules=task.modules,
                 entry=task.entry,
-                overrides=self.setup.overrides,
+                overrides=self.setup.overrides_of(task),
             )
         for warning in self.system.load():
             self.log.write(EventKind.WARNING, 4, 225, "Load warning", [str(warning)])

@@ -1,6 +1,6 @@
 """What a controller is made of: from a backup folder, from module files, or by hand."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from sims.controller.backup import (
 )
 from sims.controller.cfg import Cfg
 from sims.controller.frames import bounded
-from sims.rapid.ast import Module
+from sims.rapid.ast import DataDecl, Module
 from sims.rapid.builtin import TaskKind
 from sims.rapid.errors import Diagnostic, RapidLoadError, Severity
 from sims.rapid.host import SignalKind
@@ -28,6 +28,7 @@ __all__ = ["Setup", "TaskSetup", "arm_of", "cell_signals", "modules_of"]
 
 STATEMENT_NS = 5_000
 EPOCH_S = 1_767_225_600.0
+FAMILY = "1200"
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +67,7 @@ class Setup:
 
     @classmethod
     def from_backup(cls, backup: Backup, arm: ArmModel) -> "Setup":
-        """The controller that a backup was taken of, with ``arm_of`` for its arm.
+        """The controller that a backup was taken of, with ``arm_of`` for its arm; without a disk.
 
         Raises
         ------
@@ -89,7 +90,6 @@ class Setup:
             if backup.robotware
             else {},
             arm=arm,
-            home=backup.home,
         )
 
     @classmethod
@@ -102,6 +102,21 @@ class Setup:
             A module cannot be parsed.
         """
         return cls(tasks=[TaskSetup(name, modules_of(files))], signals=cell_signals())
+
+    def overrides_of(self, task: TaskSetup) -> dict[str, str]:
+        """The overrides of data that a task declares.
+
+        Raises
+        ------
+        ConfigError
+            No task declares data that is to be overridden.
+        """
+        known = {name for one in self.tasks for name in _declared(one.modules)}
+        for name in self.overrides:
+            if name.lower() not in known:
+                raise ConfigError(f"no task declares data of this name: {name}", key="override")
+        own = set(_declared(task.modules))
+        return {name: text for name, text in self.overrides.items() if name.lower() in own}
 
     def changed(self, **changes: object) -> "Setup":
         """The same with other values."""
@@ -127,6 +142,15 @@ def modules_of(files: Iterable[Path]) -> list[Module]:
     return modules
 
 
+def _declared(modules: Iterable[Module]) -> Iterator[str]:
+    """Names of module data, lower-case, with and without the module's."""
+    for module in modules:
+        for decl in module.declarations:
+            if isinstance(decl, DataDecl):
+                yield decl.name.lower()
+                yield f"{module.name}:{decl.name}".lower()
+
+
 def cell_signals() -> tuple[SignalConfig, ...]:
     """The cabinet's own: di1 to di8 and do1 to do8."""
     return tuple(
@@ -149,12 +173,12 @@ def arm_of(backup: Backup) -> ArmModel:
     ConfigError
         It is of a type that is not known here.
     """
-    wanted = "".join(ch for ch in backup.motion.robot_type.lower() if ch.isalnum())
+    # Types are written in many ways: IRB 1200-5/0.9, ROB1_1200_0.9_5, 1200_09_5.
+    digits = "".join(ch for ch in backup.motion.robot_type if ch.isdigit())
+    _, family, variant = digits.partition(FAMILY)
     for name, arm in ARMS.items():
-        payload, reach = name.removeprefix("irb1200-").split("-")
-        if wanted in ("", name) or (
-            wanted.startswith("irb1200") and f"{payload}{reach.replace('.', '')}" in wanted[7:]
-        ):
+        reach = name.rpartition("-")[2].replace(".", "")
+        if not backup.motion.robot_type or (family and reach in variant):
             return _with_bounds(arm, backup)
     raise ConfigError(
         f"the robot type {backup.motion.robot_type!r} is not simulated; choose one of "
