@@ -69,7 +69,7 @@ def check(
     ids = [f"{task}Id" for task in tasks]
     names = Names.of(modules, signals, [*extra, *ids])
     for module in modules:
-        expressions = Expressions(module.name, names, found)
+        expressions = Expressions(module.name, names, found, module.lines)
         calls = Calls(expressions, kind, has_motion)
         for decl in module.declarations:
             match decl:

@@ -1,6 +1,6 @@
 """What type an expression has, and what is wrong in it for certain."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from sims.rapid.ast import (
     Aggregate,
@@ -49,8 +49,11 @@ def fits(wanted: Known | None, given: Known | None) -> bool:
 class Expressions:
     """Walks expressions of one module; ``locals`` are the innermost names first."""
 
-    def __init__(self, module: str, names: Names, found: list[Diagnostic]) -> None:
+    def __init__(
+        self, module: str, names: Names, found: list[Diagnostic], lines: Sequence[str] = ()
+    ) -> None:
         self.module = module
+        self.lines = lines
         self.names = names
         self.types = names.types_of(module)
         self.found = found
@@ -194,6 +197,12 @@ class Expressions:
 
     def _unary(self, expr: Unary) -> Known | None:
         if expr.op == "NOT":
+            if _is_doubtful(expr, self.lines):
+                self.warn(
+                    expr.at,
+                    "NOT negates all that AND joins here: write NOT (... AND ...), or (NOT ...) "
+                    "AND ... if only the first part is meant",
+                )
             self.condition(expr.operand)
             return BOOL
         given = self.type_of(expr.operand)
@@ -230,6 +239,20 @@ class Expressions:
             return None
         self.error(expr.at, f"{_a(left)} {expr.op} {_a(right)} is not defined")
         return None
+
+
+def _is_doubtful(negation: Unary, lines: Sequence[str]) -> bool:
+    """Whether ``NOT a AND b`` stands without parentheses around what AND joins."""
+    inner = negation.operand
+    if not isinstance(inner, Binary) or inner.op != "AND" or inner.at.line != negation.at.line:
+        return False
+    if not 1 <= negation.at.line <= len(lines):
+        return False
+    depth = 0
+    between = lines[negation.at.line - 1][negation.at.column + 2 : inner.at.column - 1]
+    for char in between:
+        depth += (char == "(") - (char == ")")
+    return depth <= 0
 
 
 def _is_defined(op: str, name: str) -> bool:

@@ -5,7 +5,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from sims.rapid.ast import Expr, Module, Place, RoutineDecl
-from sims.rapid.errors import Diagnostic, RapidLoadError
+from sims.rapid.errors import Diagnostic, RapidLoadError, Severity
 from sims.rapid.lexer import tokenize
 from sims.rapid.parser.cursor import MAX_NESTING, Cursor, RapidSyntaxError, TooManyDiagnosticsError
 from sims.rapid.parser.declarations import routine_head
@@ -97,7 +97,9 @@ def parse_expression(text: str, source: str = "<expression>") -> Expr:
         raise RapidLoadError([Diagnostic(fault.at, fault.message)]) from None
     except TooManyDiagnosticsError:
         pass
-    if cursor.diagnostics or cursor.placeholder is not None:
-        left = Diagnostic(Place(source, 1, 1), f"unfinished: {cursor.placeholder}")
-        raise RapidLoadError(cursor.diagnostics or [left])
+    wrong = [item for item in cursor.diagnostics if item.severity is Severity.ERROR]
+    if cursor.placeholder is not None:
+        wrong.append(Diagnostic(Place(source, 1, 1), f"unfinished: {cursor.placeholder}"))
+    if wrong:
+        raise RapidLoadError(wrong)
     return found

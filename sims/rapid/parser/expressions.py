@@ -88,18 +88,14 @@ def _binary(cursor: Cursor, least: int) -> Expr:
 
 def _prefixed(cursor: Cursor, least: int) -> Expr:
     kind = cursor.kind
-    if kind == "NOT":
-        floor = max(least, _AND)
-    elif kind in ("-", "+"):
-        floor = max(least, _MULTIPLY)
-    else:
+    if kind not in ("NOT", "-", "+"):
         return _primary(cursor)
     at = cursor.place
     if cursor.nesting >= MAX_NESTING:
         raise RapidSyntaxError(at, _too_deep())
     cursor.advance()
     cursor.nesting += 1
-    operand = _binary(cursor, floor)
+    operand = _binary(cursor, max(least, _AND if kind == "NOT" else _MULTIPLY))
     cursor.nesting -= 1
     _grow(cursor, cursor.height, at)
     return Unary(at, kind, operand)
