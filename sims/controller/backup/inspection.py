@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import sims.controller.instructions  # noqa: F401  (adds the motion instructions)
 from hal.errors import ConfigError
+from sims.controller import instructions
 from sims.controller.backup.folder import is_backup, read_backup
 from sims.controller.backup.values import Backup
 from sims.rapid import library
@@ -55,6 +55,7 @@ def inspect(
         A path that is not there, or a folder without RAPID.
     """
     library.register()
+    instructions.register()
     found = Inspection()
     loose: list[Path] = []
     searched: set[Path] = set()

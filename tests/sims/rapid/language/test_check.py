@@ -4,19 +4,15 @@ from collections.abc import Collection
 
 import pytest
 
+from sims.controller import instructions
 from sims.rapid import library
-from sims.rapid.builtin import Legal, TaskContext, TaskKind, builtin
+from sims.rapid.builtin import TaskKind
 from sims.rapid.check import check
 from sims.rapid.errors import Severity
 from sims.rapid.parser import parse_text
 
 library.register()
-
-
-@builtin(
-    "PROC CheckMotionOnly(robtarget P, PERS tooldata Tool \\switch A | switch B)", Legal.MOTION
-)
-def _motion_only(task: TaskContext) -> None: ...
+instructions.register()
 
 
 def messages(
@@ -66,8 +62,8 @@ def statements(text: str, rest: str = "", **options: object) -> list[str]:
         'TEST n CASE 1,k: s:=""; DEFAULT: ENDTEST',
         'TEST s CASE "a": n:=1; ENDTEST',
         "again: GOTO again;",
-        "CheckMotionOnly r, t\\A; "
-        "CheckMotionOnly [p,[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]], tool0;",
+        "MoveL r, v100, fine, t; MoveJ\\Conc, r, vmax\\T:=2, z10, t\\WObj:=wobj0; ConfL\\Off; "
+        "MoveL [p,[1,0,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]], v100, fine, tool0;",
         "PackRawBytes n, raw, RawBytesLen(raw)+1\\Float4; UnpackRawBytes raw,1,s\\ASCII:=3;",
         "CONNECT i WITH trapped; RAISE 5; RETURN;",
         "b:=StrToVal(s,m); b:=StrToVal(s,n); Incr n; s:=ValToStr(p);",
@@ -109,8 +105,8 @@ def test_valid_programs_have_no_errors(text: str) -> None:
         ('rp n,"x";', "w of rp is VAR: it needs data"),
         ("rp s,s;", "q of rp is a num, this is a string"),
         ("rp n,STR_DIGIT;", "STR_DIGIT is a CONST"),
-        ("CheckMotionOnly r, vt;", "has to be a PERS: declare vt as one"),
-        ("CheckMotionOnly r, t\\A\\B;", "exclude each other"),
+        ("MoveL r, v100, fine, vt;", "has to be a PERS: declare vt as one"),
+        ("ConfL\\On\\Off;", "exclude each other"),
         ("rf n;", "is a FUNC, not a PROC"),
         ("n:=rp(1);", "is a PROC and has no value"),
         ("trapped;", "CONNECT it"),
@@ -195,7 +191,7 @@ def test_an_undeclared_name_may_be_a_signal_where_signals_are_not_known() -> Non
 
 
 def test_motion_in_a_background_task_is_a_warning() -> None:
-    text = f"MODULE m {DATA} PROC main() CheckMotionOnly r, t; ENDPROC ENDMODULE"
+    text = f"MODULE m {DATA} PROC main() MoveL r, v100, fine, t; ENDPROC ENDMODULE"
     assert messages(text, severity=Severity.WARNING) == []
     (found,) = messages(text, has_motion=False, severity=Severity.WARNING)
     assert "only in a motion task" in found
@@ -211,3 +207,23 @@ def test_persistents_have_one_type_in_all_tasks() -> None:
 def test_a_function_without_return_is_a_warning() -> None:
     text = "MODULE m FUNC num f() ENDFUNC ENDMODULE"
     assert "no RETURN" in messages(text, severity=Severity.WARNING)[0]
+
+
+@pytest.mark.parametrize(
+    ("condition", "count"),
+    [
+        ("NOT a AND b", 1),
+        ("NOT (a) AND b", 1),
+        ("NOT (a AND b)", 0),
+        ("(NOT a) AND b", 0),
+        ("a AND NOT b AND c", 0),
+        ("NOT a OR b", 0),
+        ("b OR NOT a=c AND b", 1),
+    ],
+)
+def test_not_before_and_is_a_warning_unless_parentheses_say_what_is_meant(
+    condition: str, count: int
+) -> None:
+    text = f"MODULE m\nVAR bool a; VAR bool b; VAR bool c;\nPROC p()\nIF {condition} p;\n"
+    found = messages(text + "ENDPROC\nENDMODULE", severity=Severity.WARNING)
+    assert len(found) == count
