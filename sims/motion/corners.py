@@ -5,7 +5,8 @@ first ever slower towards the corner point, the second ever faster away from it.
 smooth to its second derivative and stays within the zone.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,8 @@ LEAST_CORNER_RAD = 1e-5
 class Piece:
     """A stretch of a leg, from ``begin`` to ``end`` on it; ``at`` is where it begins on the way.
 
-    ``pace`` holds on it; on a corner ``next_pace`` from the middle on.
+    ``pace`` holds on it; on a corner ``next_pace`` from the middle on. ``kept`` is for what follows
+    from the rest.
     """
 
     leg: Leg
@@ -35,6 +37,7 @@ class Piece:
     end: float
     pace: Pace
     next_pace: Pace | None = None
+    kept: dict[float, Any] = field(default_factory=dict, repr=False)
 
     @property
     def length(self) -> float:
@@ -48,7 +51,7 @@ class Piece:
 
     def ended_at(self, end: float) -> "Piece":
         """Cut its end off."""
-        return replace(self, end=end)
+        return replace(self, end=end, kept={})
 
 
 def corner_between(

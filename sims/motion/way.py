@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from drivers.arms import Kinematics
 from sims.motion.corners import Piece, corner_between
 from sims.motion.legs import Leg
+from sims.motion.limits import limits_of
 from sims.motion.pace import Pace, Zone
 from sims.motion.timing import Grid
 
@@ -19,9 +20,6 @@ __all__ = ["Way"]
 
 Array = NDArray[np.float64]
 
-JOINT_BEND_SHARE = 0.5  # of an acceleration, for what the way's bends need
-TOOL_BEND_SHARE = 0.9
-JOINT_SPEED_SHARE = 0.985  # smoothing may carry speed a little into a narrow place
 LEAST = 1e-9
 
 
@@ -109,9 +107,9 @@ class Way:
 
         ``ratio`` scales all speeds; ``most_mps`` bounds the tool's, whatever a move says.
         """
-        parts = [self._limits(piece, start, most_mps) for piece in self._ahead(start)]
+        parts = [limits_of(piece, start, most_mps) for piece in self._ahead(start)]
         places, fastest, speeding, slowing = (
-            np.concatenate(rows) for rows in zip(*parts, strict=True)
+            np.concatenate([part[k] for part in parts]) for k in range(4)
         )
         fastest = fastest * ratio**2
         for stand in self.stands:
@@ -123,60 +121,8 @@ class Way:
             if piece.until > start or piece is self.pieces[-1]:
                 yield piece
 
-    def _limits(
-        self, piece: Piece, start: float, most_mps: float
-    ) -> tuple[Array, Array, Array, Array]:
-        leg = piece.leg
-        first = min(piece.begin + max(0.0, start - piece.at), piece.end)
-        inner = leg.knots[(leg.knots > first + LEAST) & (leg.knots < piece.end - LEAST)]
-        if len(inner) == 0:
-            inner = np.array([(first + piece.end) / 2])
-        at = np.concatenate([[first], inner, [piece.end]])
-        slope, bend = np.abs(leg.curve(at, 1)), np.abs(leg.curve(at, 2))
-        tool = [np.interp(at, leg.knots, v) for v in (leg.tcp_rate, leg.turn_rate, leg.tcp_bend)]
-        rows = self._paced(leg, piece.pace, slope, bend, tool, most_mps)
-        if piece.next_pace is not None:
-            others = self._paced(leg, piece.next_pace, slope, bend, tool, most_mps)
-            later = at > leg.length / 2
-            rows = tuple(np.where(later, b, a) for a, b in zip(rows, others, strict=True))
-        fastest, speeding, slowing = rows
-        return piece.at + at - piece.begin, fastest, speeding, slowing
-
-    def _paced(
-        self, leg: Leg, pace: Pace, slope: Array, bend: Array, tool: list[Array], most_mps: float
-    ) -> tuple[Array, ...]:
-        tcp, turn, tcp_bend = (np.maximum(v, LEAST) for v in tool)
-        slope, bend = np.maximum(slope, LEAST), np.maximum(bend, LEAST)
-        speed = np.minimum(min(pace.tcp_mps, most_mps) / tcp, pace.turn_radps / turn)
-        joints = (JOINT_SPEED_SHARE * pace.joint_radps / slope).min(axis=1)
-        fastest = np.minimum(np.minimum(speed, joints), pace.way_radps) ** 2
-        fastest = np.minimum(fastest, (JOINT_BEND_SHARE * pace.joint_radps2 / bend).min(axis=1))
-        if leg.is_cartesian:
-            fastest = np.minimum(fastest, TOOL_BEND_SHARE * pace.tcp_mps2 / tcp_bend)
-        most = ((pace.joint_radps2 - bend * fastest[:, None]) / slope).min(axis=1)
-        if not leg.is_cartesian:
-            return fastest, most, most
-        most = np.minimum(most, pace.turn_radps2 / turn)
-        # Across the way and along it: the tool's acceleration is the hypotenuse.
-        across = np.minimum(fastest * tcp_bend, TOOL_BEND_SHARE * pace.tcp_brake_mps2)
-        speeding = np.sqrt(pace.tcp_mps2**2 - (fastest * tcp_bend) ** 2) / tcp
-        slowing = np.sqrt(pace.tcp_brake_mps2**2 - across**2) / tcp
-        return fastest, np.minimum(most, speeding), np.minimum(most, slowing)
-
     def stopping_grid(self, start: float, joint_radps2: Array) -> Grid:
         """The limits of a stop: what the joints can brake, whatever the move says."""
-        grid = self.grid(start)
-        slowing = np.concatenate(
-            [self._hardest(piece, start, joint_radps2) for piece in self._ahead(start)]
-        )
-        return replace(grid, slowing=slowing)
-
-    def _hardest(self, piece: Piece, start: float, joint_radps2: Array) -> Array:
-        leg = piece.leg
-        first = min(piece.begin + max(0.0, start - piece.at), piece.end)
-        inner = leg.knots[(leg.knots > first + LEAST) & (leg.knots < piece.end - LEAST)]
-        if len(inner) == 0:
-            inner = np.array([(first + piece.end) / 2])
-        at = np.concatenate([[first], inner, [piece.end]])
-        slope = np.maximum(np.abs(leg.curve(at, 1)), LEAST)
-        return np.asarray((joint_radps2 / slope).min(axis=1))
+        slopes = [limits_of(piece, start, np.inf).slope for piece in self._ahead(start)]
+        slowing = np.concatenate([(joint_radps2 / slope).min(axis=1) for slope in slopes])
+        return replace(self.grid(start), slowing=slowing)
