@@ -65,6 +65,7 @@ class AbbCodec:
     """Requests and replies by turns: an input's first byte says which, the second how to cut."""
 
     name = "abb-codec"
+    prefixes: tuple[str, ...] = ()
     modules: Sequence[str] = ("drivers.abb.codec", "drivers.abb.layouts")
 
     def __init__(self, codec: ModuleType = our_codec) -> None:

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 from drivers.abb import RapidRobot
 from drivers.abb import messages as m
 from drivers.abb.codec import encode
+from drivers.abb.session import Session
+from drivers.transports import Transport
 from hal.errors import DeviceError
-from sims.controller.wire import MemoryConnector, shipped_controller
+from sims.controller.wire import shipped_controller
 from sims.loop import LockstepLoop
 from sims.world import World
 
@@ -18,6 +20,18 @@ MONITOR_PORT, MOTION_PORT = 5011, 5010
 PAUSES_S = (0.0, 0.001, 0.05, 0.3)
 PATIENCE_S = 1.0
 SETTLING_S = 0.7
+POSE = ((0.45, 0.0, 0.8), (0.0, 0.0, 1.0, 0.0))
+MOTION: tuple[m.Message, ...] = (
+    m.Drop(),
+    m.SetTool(*POSE, 0.5, (0.0, 0.0, 0.1)),
+    m.SetWorkObject((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)),
+    m.SetLoad(0.3, (0.0, 0.0, 0.1)),
+    m.SetAcceleration(50.0, 50.0),
+    m.AddLinear(*POSE, (0, 0, 0, 0), 0.25, 0.01),
+    m.AddCircular(*POSE, *POSE, (0, 0, 0, 0), 0.25, 0.01),
+    m.AddJoint((0.1, 0.0, 0.0, 0.0, 1.5, 0.0), 1.0, 0.0),
+    m.Run(1, 1, 3),
+)
 
 
 class ServerError(AssertionError):
@@ -28,11 +42,9 @@ class AbbServer:
     """One controller serves all inputs. An input says the port, the pace, and the bytes."""
 
     name = "abb-server"
-    # What the peer's bytes reach is RAPID; these are the built-ins that carry them.
-    modules: Sequence[str] = (
-        "sims.rapid.library.sockets",
-        "sims.rapid.library.rawbytes",
-    )
+    modules: Sequence[str] = ()
+    # What the peer's bytes reach is compiled RAPID.
+    prefixes: tuple[str, ...] = ("<Bp",)
 
     def __init__(self) -> None:
         world = World()
@@ -53,11 +65,11 @@ class AbbServer:
             m.Write(1, 1),
             m.Pulse(1, 0.1),
             m.WaitFor(0, 1, 1, 0.1),
-            m.AddJoint((0.1, 0.0, 0.0, 0.0, 1.5, 0.0), 1.0, 0.0),
-            m.Run(1, 1, 1),
         ]
         frames = [hello + encode(2, request) for request in requests]
-        return [bytes([port, 3]) + frame for frame in frames for port in (0, 1)]
+        frames += [encode(2, message) for message in MOTION]
+        frames.append(b"".join(encode(3, message) for message in MOTION[-2:]))
+        return [bytes([door, 60]) + frame for frame in frames for door in (0, 1, 2)]
 
     def pieces(self) -> list[bytes]:
         """Frames, headers, lengths that lie."""
@@ -85,20 +97,30 @@ class AbbServer:
         await asyncio.sleep(0.1)
 
     async def _attack(self, data: bytes) -> None:
-        port = MONITOR_PORT if not data or data[0] & 1 else MOTION_PORT
-        step = data[1] % 61 + 1 if len(data) > 1 else 1
-        pause_s = PAUSES_S[data[1] // 64] if len(data) > 1 else 0.0
-        await self._send(self._connector, port, data[2:], step, pause_s)
+        head = data[:2].ljust(2, b"\0")
+        step, pause_s = head[1] % 61 + 1, PAUSES_S[head[1] // 64]
+        if head[0] & 2:
+            await self._attack_as_motion_client(data[2:], step, pause_s)
+        else:
+            port = MONITOR_PORT if head[0] & 1 else MOTION_PORT
+            with contextlib.suppress(OSError):
+                stream = await self._connector.connect(port)
+                await self._send(stream, data[2:], step, pause_s)
         await asyncio.sleep(SETTLING_S)
         await self._be_served()
 
-    async def _send(
-        self, connector: MemoryConnector, port: int, data: bytes, step: int, pause_s: float
-    ) -> None:
-        try:
-            stream = await connector.connect(port)
-        except OSError:
-            return
+    async def _attack_as_motion_client(self, data: bytes, step: int, pause_s: float) -> None:
+        """With a live monitor connection and a greeting: such a client may move the arm."""
+        session = await Session.join(self._connector, "fuzz", MONITOR_PORT)
+        with contextlib.suppress(OSError):
+            stream = await self._connector.connect(MOTION_PORT)
+            await stream.send(encode(1, m.Hello(1, 0, session.welcome.epoch)))
+            await self._send(stream, data, step, pause_s)
+        await session.leave()
+        await asyncio.sleep(SETTLING_S)
+        self._joints_rad = self._controller.world.arm.measured_rad
+
+    async def _send(self, stream: Transport, data: bytes, step: int, pause_s: float) -> None:
         with contextlib.suppress(ConnectionError):
             for k in range(0, len(data), step):
                 await stream.send(data[k : k + step])

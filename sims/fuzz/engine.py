@@ -23,6 +23,7 @@ class Target(Protocol):
 
     name: str
     modules: Sequence[str]
+    prefixes: tuple[str, ...]
 
     def seeds(self) -> list[bytes]:
         """Good inputs to begin with."""
@@ -72,7 +73,7 @@ def fuzz(
     rng = random.Random(seed)
     corpus, pieces = target.seeds(), target.pieces()
     report = FuzzReport(target.name)
-    reach = LineReach(target.modules)
+    reach = LineReach(target.modules, target.prefixes)
     began = time.perf_counter()
     for number in range(count):
         data = corpus[number] if number < len(corpus) else mutated(rng, corpus, pieces)

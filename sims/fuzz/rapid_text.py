@@ -21,6 +21,7 @@ class RapidText:
     """Seeds are the modules we ship, cut into routines."""
 
     name = "rapid-text"
+    prefixes: tuple[str, ...] = ()
     modules: Sequence[str] = (
         "sims.rapid.lexer",
         "sims.rapid.parser.cursor",

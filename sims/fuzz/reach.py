@@ -10,9 +10,13 @@ __all__ = ["LineReach"]
 
 
 class LineReach:
-    """Collects lines; imports the modules so that their files are known."""
+    """Collects lines; imports the modules so that their files are known.
 
-    def __init__(self, modules: Sequence[str]) -> None:
+    ``prefixes`` are beginnings of the names of generated code, such as compiled RAPID's.
+    """
+
+    def __init__(self, modules: Sequence[str], prefixes: tuple[str, ...] = ()) -> None:
+        self._prefixes = prefixes
         files = (import_module(name).__file__ for name in modules)
         self._files = {file for file in files if file}
         self.lines: set[tuple[str, int]] = set()
@@ -29,7 +33,8 @@ class LineReach:
 
     def _called(self, frame: FrameType, event: str, arg: Any) -> Any:
         del event, arg
-        return self._line if frame.f_code.co_filename in self._files else None
+        name = frame.f_code.co_filename
+        return self._line if name in self._files or name.startswith(self._prefixes) else None
 
     def _line(self, frame: FrameType, event: str, arg: Any) -> Any:
         del arg
