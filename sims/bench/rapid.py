@@ -2,7 +2,7 @@
 
 import asyncio
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -83,7 +83,7 @@ class _Host:
         self.pendant = _Pendant()
         self.network = MemoryNetwork()
         self.home: Path | None = None
-        self.info: dict[str, str] = {}
+        self.info: Mapping[str, str] = {}
         self.epoch_s = 0.0
         self.statement_ns = 5_000
         self.op_mode = "OP_AUTO"

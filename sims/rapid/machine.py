@@ -91,6 +91,10 @@ class Machine:
         self.halt = self.fault = None
         self.attention = self._is_done = False
 
+    def leave_above(self, depth: int) -> None:
+        """Leave what is left of a routine that was begun on top of ``depth`` others."""
+        self._unwind(min(depth, len(self.frames)), with_undo=False)
+
     def request(self, halt: Halt) -> None:
         """Halt before the next operation."""
         self.halt = halt

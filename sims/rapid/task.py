@@ -207,6 +207,7 @@ class Task:
         finally:
             self.state = TaskState.STOPPED
             self.event = 0.0
+            self.machine.leave_above(floor)
         if self.machine.halt is not None:
             self._report(self.machine.halt)
 

@@ -40,10 +40,11 @@ class Arguments(Expressions):
             bound = self.program.bind("R", routine)
             self.emitter.operation(f"return T.call({bound}, {values}, @own, @next, {slot[2:-1]})")
             return Text(slot, routine.result, is_fresh=True, is_fixed=True)
-        return self._builtin(routine, self.for_builtin(routine, expr.arguments, expr.at))
+        return self._builtin(routine, self._keywords(routine, expr.arguments, expr.at))
 
-    def _builtin(self, routine: BuiltinRoutine, arguments: str) -> Text:
+    def _builtin(self, routine: BuiltinRoutine, keywords: Sequence[tuple[str, Text]]) -> Text:
         assert routine.result is not None
+        arguments = _joined(keywords)
         bound = self.program.bind("B", routine.builtin.call)
         text = f"{bound}(C{arguments})"
         if routine.is_async:
@@ -51,7 +52,8 @@ class Arguments(Expressions):
             shape = self.program.bind("h", routine.result)
             self.emitter.operation(f"return T.wait({text}, @own, @next, {slot[2:-1]}, {shape})")
             return Text(slot, routine.result, is_fresh=True, is_fixed=True)
-        return Text(self._checked(text, routine.result), routine.result, is_fresh=True, depth=3)
+        depth = 3 + max((given.depth for _, given in keywords), default=0)
+        return Text(self._checked(text, routine.result), routine.result, is_fresh=True, depth=depth)
 
     def _checked(self, text: str, shape: Shape) -> str:
         match shape.type.kind:
@@ -80,11 +82,14 @@ class Arguments(Expressions):
         self, routine: BuiltinRoutine, arguments: Sequence[ast.Argument], at: ast.Place
     ) -> str:
         """Return keyword arguments, each with a comma before it."""
+        return _joined(self._keywords(routine, arguments, at))
+
+    def _keywords(
+        self, routine: BuiltinRoutine, arguments: Sequence[ast.Argument], at: ast.Place
+    ) -> list[tuple[str, Text]]:
         pairs = match(routine.params, arguments, routine.name, at)
         texts = self.ordered([partial(self._argument, *pair, "None") for pair in pairs])
-        return "".join(
-            f", {param.keyword}={text.text}" for (param, _), text in zip(pairs, texts, strict=True)
-        )
+        return [(param.keyword, text) for (param, _), text in zip(pairs, texts, strict=True)]
 
     def for_late_call(self, arguments: Sequence[ast.Argument]) -> str:
         """Return a list of (name, is optional, reference or None, value) for the machine."""
@@ -253,6 +258,10 @@ class Arguments(Expressions):
         value = self.value(argument.value)
         shape = self.program.bind("h", value.shape)
         return f"({name}, {argument.is_optional}, {reference}, {owned(value)}, {shape})"
+
+
+def _joined(keywords: Sequence[tuple[str, Text]]) -> str:
+    return "".join(f", {name}={given.text}" for name, given in keywords)
 
 
 def is_name(expr: ast.Expr, name: str) -> bool:

@@ -22,7 +22,11 @@ MAX_LOCAL_ELEMENTS = 100_000
 
 def compile_routine(routine: Routine) -> tuple[Code | None, list[LinkError]]:
     """Return a routine's code, or all that is wrong with it."""
-    return _Writer(routine).write()
+    try:
+        return _Writer(routine).write()
+    except RecursionError:
+        name = routine.name
+        return None, [LinkError(routine.decl.at, f"{name} is nested too deeply: split it")]
 
 
 def evaluate(expr: ast.Expr, module: ModuleScope, shape: Shape) -> Any:

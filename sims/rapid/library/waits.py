@@ -32,9 +32,16 @@ class Poll:
     """A WaitUntil: when it looks again and when it gives up. Compiled code drives it."""
 
     def __init__(
-        self, task: TaskContext, max_time: float | None, flag: Ref | None, poll: float | None
+        self,
+        task: TaskContext,
+        max_time: float | None,
+        flag: Ref | None,
+        poll: float | None,
+        *,
+        in_position: bool,
     ) -> None:
         self._task = task_of(task)
+        self._settled = self._task.settled if in_position else None
         self._pause_s = min(max(0.1 if poll is None else poll, 0.004), 86_400.0)
         self._deadline_s = math.inf if max_time is None else self._task.now_s() + max_time
         if max_time is not None and max_time >= WAIT_MAX:
@@ -49,13 +56,19 @@ class Poll:
         return True
 
     def done(self) -> bool:
-        """The condition is met."""
+        r"""Whether the wait ends, for the condition is met; ``\\InPos`` at standstill only."""
+        if self._settled is not None:
+            return False
         if self._flag is not None:
             self._flag.set(False)
         return True
 
     async def pause(self) -> None:
         """Until it is time to look again."""
+        if self._settled is not None:
+            settled, self._settled = self._settled, None
+            await settled()
+            return
         left_s = self._deadline_s - self._task.now_s()
         await asyncio.sleep(max(0.0, min(self._pause_s, left_s)))
 
@@ -66,7 +79,13 @@ class Poll:
 )
 def wait_until(task: TaskContext, **arguments: Any) -> Poll:
     """Give what the compiler needs to look at the condition again and again."""
-    return Poll(task, arguments["maxtime"], arguments["timeflag"], arguments["pollrate"])
+    return Poll(
+        task,
+        arguments["maxtime"],
+        arguments["timeflag"],
+        arguments["pollrate"],
+        in_position=arguments["inpos"],
+    )
 
 
 @builtin("FUNC bool TestAndSet(INOUT bool Object)")

@@ -332,3 +332,57 @@ def test_lockstep_closes_cleanly_with_tasks_that_wait():
         assert loop.run_until_complete(main()) == 1
     finally:
         loop.close()
+
+
+def test_an_event_routine_that_fails_leaves_the_program_where_it_was():
+    text = """
+        VAR num zero;
+        PROC main()
+            WaitTime 1;
+            Stop;
+        ENDPROC
+        PROC on_start()
+            zero := 1 / zero;
+        ENDPROC
+    """
+
+    async def script(system):
+        task = system.tasks["T_ROB1"]
+        await task.call_routine("on_start")
+        assert task.has_failed
+        assert system.host.log.titles == ["Unhandled error ERR_DIVZERO"]
+        assert [one.routine for one in task.stack] == ["main"]
+        task.start()
+        await task.stopped()
+        assert not task.has_failed
+
+    play(script, text)
+
+
+def test_standstill_is_waited_for_where_a_wait_asks_for_it():
+    text = """
+        VAR num stage;
+        PROC main()
+            WaitTime \\InPos, 0;
+            stage := 1;
+            WaitUntil \\InPos, TRUE;
+            stage := 2;
+            Stop;
+        ENDPROC
+    """
+
+    async def script(system):
+        task = system.tasks["T_ROB1"]
+
+        async def settled():
+            await asyncio.sleep(1)
+
+        task.settled = settled
+        task.start()
+        await asyncio.sleep(1.5)
+        assert value(system, "stage") == 1
+        await task.stopped()
+        assert value(system, "stage") == 2
+        assert asyncio.get_running_loop().time() == pytest.approx(2, abs=0.01)
+
+    play(script, text)
