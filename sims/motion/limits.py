@@ -9,20 +9,20 @@ from sims.motion.corners import Piece
 from sims.motion.legs import Leg
 from sims.motion.pace import Pace
 
-__all__ = ["Limits", "limits_of"]
+__all__ = ["Limits", "limits_of", "widened"]
 
 Array = NDArray[np.float64]
 
 JOINT_BEND_SHARE = 0.5  # of an acceleration, for what the way's bends need
 TOOL_BEND_SHARE = 0.9
-JOINT_SPEED_SHARE = 0.985  # smoothing may carry speed a little into a narrow place
+JOINT_SPEED_SHARE = 0.999  # rounding must not carry a joint over its limit
 LEAST = 1e-9
 
 
 class Limits(NamedTuple):
     """Along a piece: ``places`` on the way; ``fastest`` the square of the speed; accelerations.
 
-    ``slope`` are the joints' rates, shape (n, 6), not negative.
+    ``slope`` and ``bend`` are the joints' derivatives, shape (n, 6), not negative.
     """
 
     places: Array
@@ -30,6 +30,12 @@ class Limits(NamedTuple):
     speeding: Array
     slowing: Array
     slope: Array
+    bend: Array
+
+    def hardest_stop(self, joint_radps2: Array) -> Array:
+        """How hard the joints can brake along the way, having to follow its bends as well."""
+        spare = joint_radps2 - self.bend * self.fastest[:, None]
+        return np.asarray((spare / self.slope).min(axis=1))
 
 
 def limits_of(piece: Piece, start: float, most_mps: float) -> Limits:
@@ -45,6 +51,19 @@ def limits_of(piece: Piece, start: float, most_mps: float) -> Limits:
     return kept
 
 
+def widened(places: Array, fastest: Array, smoothing_s: float) -> Array:
+    """Stretch each slow place so that an average over ``smoothing_s`` is still slow in it."""
+    middle = fastest[1:-1]
+    lowest = 1 + np.flatnonzero((middle < fastest[:-2]) & (middle <= fastest[2:]))
+    wide = fastest.copy()
+    for k in lowest:
+        reach = float(np.sqrt(fastest[k])) * smoothing_s / 2
+        first = max(0, int(np.searchsorted(places, places[k] - reach)) - 1)
+        last = int(np.searchsorted(places, places[k] + reach, side="right")) + 1
+        np.minimum(wide[first:last], fastest[k], out=wide[first:last])
+    return wide
+
+
 def _computed(piece: Piece, start: float, most_mps: float) -> Limits:
     leg = piece.leg
     first = min(piece.begin + max(0.0, start - piece.at), piece.end)
@@ -52,6 +71,8 @@ def _computed(piece: Piece, start: float, most_mps: float) -> Limits:
     if len(inner) == 0:
         inner = np.array([(first + piece.end) / 2])
     at = np.concatenate([[first], inner, [piece.end]])
+    if piece.next_pace is not None:  # a corner may bend most between two knots
+        at = np.sort(np.concatenate([at, (at[1:] + at[:-1]) / 2]))
     slope = np.maximum(np.abs(leg.curve(at, 1)), LEAST)
     bend = np.maximum(np.abs(leg.curve(at, 2)), LEAST)
     rates = (leg.tcp_rate, leg.turn_rate, leg.tcp_bend)
@@ -62,7 +83,7 @@ def _computed(piece: Piece, start: float, most_mps: float) -> Limits:
         later = at > leg.length / 2
         rows = tuple(np.where(later, b, a) for a, b in zip(rows, others, strict=True))
     fastest, speeding, slowing = rows
-    return Limits(piece.at + at - piece.begin, fastest, speeding, slowing, slope)
+    return Limits(piece.at + at - piece.begin, fastest, speeding, slowing, slope, bend)
 
 
 def _paced(

@@ -84,7 +84,12 @@ class WayPlayer:
         """Go on along a way that begins as the old one did, as fast as it allows."""
         self.way = way
         self._is_braking = False
-        grid = way.grid(self.lead, ratio=ratio, most_mps=most_mps)
+        grid = way.grid(
+            self.lead,
+            ratio=ratio,
+            most_mps=most_mps,
+            smoothing_s=(self._window - 1) * self._tick_s,
+        )
         self._replace(timed(grid, self.speed))
 
     def brake(self) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivers.arms import Kinematics
 from sims.motion.corners import Piece, corner_between
 from sims.motion.legs import Leg
-from sims.motion.limits import limits_of
+from sims.motion.limits import limits_of, widened
 from sims.motion.pace import Pace, Zone
 from sims.motion.timing import Grid
 
@@ -102,16 +102,24 @@ class Way:
             joints[here] = piece.leg.joints_rad(inside)
         return joints
 
-    def grid(self, start: float, *, ratio: float = 1.0, most_mps: float = np.inf) -> Grid:
+    def grid(
+        self,
+        start: float,
+        *,
+        ratio: float = 1.0,
+        most_mps: float = np.inf,
+        smoothing_s: float = 0.0,
+    ) -> Grid:
         """The limits from a place to the end.
 
-        ``ratio`` scales all speeds; ``most_mps`` bounds the tool's, whatever a move says.
+        ``ratio`` scales all speeds; ``most_mps`` bounds the tool's, whatever a move says. The
+        run is going to be averaged over ``smoothing_s``: slow places are widened by that.
         """
         parts = [limits_of(piece, start, most_mps) for piece in self._ahead(start)]
         places, fastest, speeding, slowing = (
             np.concatenate([part[k] for part in parts]) for k in range(4)
         )
-        fastest = fastest * ratio**2
+        fastest = widened(places, fastest * ratio**2, smoothing_s)
         for stand in self.stands:
             fastest[np.abs(places - stand) < LEAST] = 0.0
         return Grid(places, fastest, speeding, slowing)
@@ -123,6 +131,6 @@ class Way:
 
     def stopping_grid(self, start: float, joint_radps2: Array) -> Grid:
         """The limits of a stop: what the joints can brake, whatever the move says."""
-        slopes = [limits_of(piece, start, np.inf).slope for piece in self._ahead(start)]
-        slowing = np.concatenate([(joint_radps2 / slope).min(axis=1) for slope in slopes])
+        parts = [limits_of(piece, start, np.inf) for piece in self._ahead(start)]
+        slowing = np.concatenate([part.hardest_stop(joint_radps2) for part in parts])
         return replace(self.grid(start), slowing=slowing)

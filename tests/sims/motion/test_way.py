@@ -117,7 +117,7 @@ def test_joints_never_pass_their_speeds_and_accelerations(seed):
     rows = np.vstack([HOME, played(player_on(way))])
     speed, acceleration = rates(rows)
     assert (speed <= SPEEDS).all()
-    assert (acceleration <= ACCELERATIONS * 1.1).all()
+    assert (acceleration <= ACCELERATIONS * 1.02).all()
     assert rows[-1] == pytest.approx(at, abs=1e-9)
 
 
@@ -161,7 +161,7 @@ def test_the_corner_stays_within_its_zone(zone_m, turn_deg, first_m, second_m, s
     assert rows[-1] == pytest.approx(legs[-1].end_rad, abs=1e-9)
     speed, acceleration = rates(rows)
     assert (speed <= SPEEDS).all()
-    assert (acceleration <= ACCELERATIONS * 1.1).all()
+    assert (acceleration <= ACCELERATIONS * 1.02).all()
 
 
 def test_through_a_zone_the_arm_does_not_stop():
@@ -193,7 +193,7 @@ def test_a_leg_that_comes_in_time_is_joined_without_a_jump_or_a_stop():
 
     rows = np.vstack([HOME, played(player, at=200, do=go_on)])
     _, acceleration = rates(rows)
-    assert (acceleration <= ACCELERATIONS * 1.1).all()
+    assert (acceleration <= ACCELERATIONS * 1.02).all()
     assert rows[-1] == pytest.approx(second.end_rad, abs=1e-9)
 
 
@@ -220,13 +220,13 @@ def test_braking_ends_on_the_way_and_going_on_ends_at_its_end(at, speed_mps):
     stop = player.place
     assert rows[-1] == pytest.approx(player.way.joints_rad(np.array([stop]))[0], abs=1e-9)
     _, acceleration = rates(rows)
-    assert (acceleration <= ACCELERATIONS * 1.1).all()
+    assert (acceleration <= ACCELERATIONS * 1.02).all()
     if not player.is_done or stop < player.way.end:
         player.plan(player.way)
         rows = np.vstack([rows, played(player)]) if not player.is_done else rows
     assert rows[-1] == pytest.approx(whole[-1], abs=1e-9)
     _, acceleration = rates(rows)
-    assert (acceleration <= ACCELERATIONS * 1.1).all()
+    assert (acceleration <= ACCELERATIONS * 1.02).all()
 
 
 def test_a_brake_taken_back_at_once_is_smooth():
@@ -241,7 +241,7 @@ def test_a_brake_taken_back_at_once_is_smooth():
             player.plan(player.way)
         rows.append(player.next_joints_rad())
     _, acceleration = rates(np.array(rows))
-    assert (acceleration <= ACCELERATIONS * 1.1).all()
+    assert (acceleration <= ACCELERATIONS * 1.02).all()
     assert player.place == pytest.approx(player.way.end, abs=1e-12)
 
 
@@ -308,7 +308,7 @@ def through_the_wrist(**options):
 
 
 def test_a_line_through_the_wrist_singularity_is_refused_by_name():
-    with pytest.raises(SingularityError, match="joint [46]"):
+    with pytest.raises(SingularityError, match=r"joint [46]"):
         through_the_wrist()
 
 
