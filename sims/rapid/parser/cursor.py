@@ -5,7 +5,7 @@ from typing import NoReturn
 
 from sims.rapid.ast import Place
 from sims.rapid.errors import Diagnostic, Severity
-from sims.rapid.lexer import Tokens
+from sims.rapid.lexer import KEYWORDS, Tokens
 
 __all__ = [
     "MAX_DIAGNOSTICS",
@@ -161,4 +161,4 @@ def _in_words(kind: str, text: str) -> str:
     if kind == "bad" and text.startswith('"'):
         return "a string without its closing quote"
     shown = text if len(text) <= 24 else text[:21] + "..."
-    return repr(shown)
+    return f"the reserved word {shown!r}" if kind in KEYWORDS else repr(shown)

@@ -1,0 +1,12 @@
+MODULE BpProbeMain
+  PROC main()
+    bpBegin;
+    bpLanguage;
+    bpNumbers;
+    bpStrings;
+    bpErrors;
+    bpData;
+    bpNote "end", "reached";
+    EXIT;
+  ENDPROC
+ENDMODULE
