@@ -88,8 +88,6 @@ class _FaultyStream:
         network = self._network
         if not self._held:
             await self._fetch()
-        if network.delay_s > 0:
-            await asyncio.sleep(network.delay_s)
         if network.merge_s > 0:
             await asyncio.sleep(network.merge_s)
             while self._inner.pending() and len(self._held) < MOST_HELD:
@@ -104,7 +102,7 @@ class _FaultyStream:
         if self._ends.is_set():
             return
         if self._fetching is None:
-            self._fetching = asyncio.ensure_future(self._inner.receive(MOST_HELD))
+            self._fetching = asyncio.ensure_future(self._arrival())
         ending = asyncio.ensure_future(self._ends.wait())
         try:
             await asyncio.wait({self._fetching, ending}, return_when=asyncio.FIRST_COMPLETED)
@@ -116,6 +114,13 @@ class _FaultyStream:
             self._held += data
             if not data:
                 self._ends.set()
+
+    async def _arrival(self) -> bytes:
+        """The next piece, as late as it is."""
+        data = await self._inner.receive(MOST_HELD)
+        if self._network.delay_s > 0:
+            await asyncio.sleep(self._network.delay_s)
+        return data
 
     async def send(self, data: bytes) -> None:
         if self._is_dropped:
