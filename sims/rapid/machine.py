@@ -16,6 +16,7 @@ from sims.rapid.frames import Frame, FrameKind, Pointer, UserError, Wait
 from sims.rapid.interrupts import Interrupts
 from sims.rapid.late import late_builtin, late_routine
 from sims.rapid.program import Program
+from sims.rapid.recovery import find_handler
 from sims.rapid.symbols import ModuleScope, Routine
 from sims.rapid.types import Shape
 
@@ -280,47 +281,21 @@ class Machine:
         errno = self.program.find_cell("ERRNO")
         assert errno is not None
         errno.value = float(number)
-        found = None if error.is_fatal else self._handler(number)
+        found = None if error.is_fatal else find_handler(self.frames, number)
         if found is None:
             self.fault = error
             self.request(Halt.ERROR)
             return
-        depth, target, is_long = found
-        self._unwind(depth + 1, with_undo=is_long)
+        self._unwind(found.depth + 1, with_undo=found.is_long_jump)
         frame = self.frames[-1]
         frame.drop_wait()
-        frame.error, frame.failed, frame.pc = error, frame.pc, target
+        frame.error, frame.failed, frame.pc = error, frame.pc, found.target
 
     def errno(self, error: RapidError) -> int:
         """The number of an error."""
         if isinstance(error, UserError):
             return error.errno
         return self.program.error_number(error.name)
-
-    def _handler(self, number: int) -> tuple[int, int, bool] | None:
-        """Where an error is handled: depth, operation, whether by long jump.
-
-        The routine in which it happens comes first, then long jumps, then the callers.
-        """
-        depths = []
-        for depth in range(len(self.frames) - 1, -1, -1):
-            if self.frames[depth].error is None:
-                depths.append(depth)
-            if self.frames[depth].kind in {FrameKind.BASE, FrameKind.UNDO}:
-                break
-        if depths and depths[0] == len(self.frames) - 1:
-            target = _clause(self.frames[depths[0]], number)
-            if target is not None:
-                return depths[0], target, False
-        for depth in depths:
-            target = _clause(self.frames[depth], number, long_only=True)
-            if target is not None:
-                return depth, target, True
-        for depth in depths:
-            target = _clause(self.frames[depth], number)
-            if target is not None:
-                return depth, target, False
-        return None
 
     def _handling(self, word: str) -> Frame:
         frame = self.frames[-1]
@@ -413,10 +388,3 @@ class Machine:
 
     def _queue_is_full(self, number: int) -> None:
         self._warn(40_029, f"interrupt {number} is lost: too many wait to be served")
-
-
-def _clause(frame: Frame, number: int, *, long_only: bool = False) -> int | None:
-    for numbers, is_long, target in frame.code.handlers:
-        if (is_long or not long_only) and (not numbers or number in numbers):
-            return target
-    return None

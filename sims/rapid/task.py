@@ -2,44 +2,26 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
-from enum import StrEnum
 from typing import Any, TypeVar, cast
 
-from hal.errors import CellError
 from sims.rapid.ast import DataKind
 from sims.rapid.builtin import Ref, TaskContext, TaskKind
 from sims.rapid.data import Cell, Pers
 from sims.rapid.errors import RapidError
 from sims.rapid.frames import Frame, Pointer
-from sims.rapid.host import EventKind, Host
+from sims.rapid.host import Host
 from sims.rapid.machine import Halt, Machine, Outcome
 from sims.rapid.program import Program
+from sims.rapid.reports import log_crash, log_fault, log_warning
+from sims.rapid.states import NoRoutineError, TaskError, TaskState
 from sims.rapid.symbols import Routine
 
 __all__ = ["NoRoutineError", "Task", "TaskError", "TaskState", "task_of"]
 
 SLICE_S = 1e-3
 SLICE_STATEMENTS = 200
-PROGRAM_DOMAIN = 4
 
 S = TypeVar("S")
-
-
-class TaskError(CellError):
-    """A task cannot do what was asked of it now; says why and what to do."""
-
-
-class NoRoutineError(TaskError, KeyError):
-    """The task's program has no such routine."""
-
-    __str__ = TaskError.__str__
-
-
-class TaskState(StrEnum):
-    """Whether a task executes."""
-
-    STOPPED = "stopped"
-    STARTED = "started"
 
 
 class Task:
@@ -365,29 +347,17 @@ class Task:
     # Reports.
 
     def _report(self, halt: Halt) -> None:
-        if halt is Halt.ERROR:
-            self._log_fault()
+        fault = self.machine.fault
+        if halt is Halt.ERROR and fault is not None:
+            number = fault.number or self.machine.errno(fault)
+            log_fault(self.host, self.name, fault, number, self.pointer)
         self.halted(self, halt)
 
-    def _log_fault(self) -> None:
-        error = self.machine.fault
-        assert error is not None
-        where = self.pointer
-        cause = [f"Task {self.name}", f"Program ref. {where}" if where is not None else ""]
-        if error.message:
-            cause.append(error.message)
-        title = error.name if error.is_fatal else f"Unhandled error {error.name}"
-        number = error.number or self.machine.errno(error) or 40_000
-        self.host.log.write(EventKind.ERROR, PROGRAM_DOMAIN, number, title, cause)
-
     def _warn(self, number: int, message: str) -> None:
-        cause = [f"Task {self.name}"]
-        self.host.log.write(EventKind.WARNING, PROGRAM_DOMAIN, number, message, cause)
+        log_warning(self.host, self.name, number, message)
 
     def _crash(self, error: Exception) -> None:
-        """A bug of ours: say so where users look first."""
-        cause = [f"Task {self.name}", f"Program ref. {self.pointer}", repr(error)]
-        self.host.log.write(EventKind.ERROR, PROGRAM_DOMAIN, 40_099, "Internal error", cause)
+        log_crash(self.host, self.name, error, self.pointer)
         self.halted(self, Halt.ERROR)
 
     # Helpers.

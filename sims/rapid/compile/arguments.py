@@ -6,8 +6,9 @@ from typing import Any
 
 from sims.rapid import ast
 from sims.rapid.ast import DataKind, Mode
-from sims.rapid.compile.expressions import Expressions, component, indexed, unfold
+from sims.rapid.compile.expressions import Expressions
 from sims.rapid.compile.matching import match
+from sims.rapid.compile.parts import component, indexed, unfold
 from sims.rapid.compile.scope import Local
 from sims.rapid.compile.texts import BOOLEAN, NUMBER, Text, literal, owned
 from sims.rapid.symbols import BuiltinRoutine, LinkError, MissingError, ParamInfo, Routine

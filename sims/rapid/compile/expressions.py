@@ -12,17 +12,23 @@ from functools import partial
 
 from sims.rapid import ast
 from sims.rapid.compile.emitter import Emitter
+from sims.rapid.compile.operators import (
+    COMPARISONS,
+    arithmetic,
+    as_number,
+    balanced,
+    compare,
+)
+from sims.rapid.compile.parts import component, indexed, is_record, parts, unfold
 from sims.rapid.compile.scope import Local, RoutineScope
 from sims.rapid.compile.texts import BOOLEAN, NUMBER, TEXT, Text, literal, number, owned, typed
 from sims.rapid.data import Cell
 from sims.rapid.symbols import Datum, LinkError
-from sims.rapid.types import DNUM, STRING, Kind, Shape, Type
+from sims.rapid.types import DNUM, Kind, Shape
 
 __all__ = ["Expressions"]
 
 MAX_DEPTH = 24
-_COMPARE = {"=": "==", "<>": "!=", "<": "<", "<=": "<=", ">": ">", ">=": ">="}
-_ARITHMETIC = {"+": "+", "-": "-", "*": "*", "/": "/"}
 
 
 class Expressions(ABC):
@@ -215,7 +221,7 @@ class Expressions(ABC):
         if link.op in {"AND", "OR", "XOR"}:
             return self.condition(node)
         if isinstance(node, ast.Aggregate):
-            is_compared = link.op in _COMPARE
+            is_compared = link.op in COMPARISONS
             return self.value(
                 node, self._shape_of(link.right) if is_compared else self._vector(node)
             )
@@ -239,7 +245,7 @@ class Expressions(ABC):
         if expr.op == "XOR":
             right = self.condition(expr.right)
         elif isinstance(expr.right, ast.Aggregate):
-            shape = left.shape if expr.op in _COMPARE else self._vector(expr.right)
+            shape = left.shape if expr.op in COMPARISONS else self._vector(expr.right)
             right = self.value(expr.right, shape)
         else:
             right = self.value(expr.right)
@@ -249,7 +255,7 @@ class Expressions(ABC):
         if expr.op == "XOR":
             return Text(f"({left.text} != {right.text})", BOOLEAN, depth=depth)
         left, right = balanced(as_number(left), as_number(right), expr.at)
-        if expr.op in _COMPARE:
+        if expr.op in COMPARISONS:
             return compare(expr, left, right, depth)
         return arithmetic(expr, left, right, depth)
 
@@ -274,117 +280,3 @@ class Expressions(ABC):
     @abstractmethod
     def call(self, expr: ast.Call) -> Text:
         """Return what a function gives."""
-
-
-# Shapes of parts.
-
-
-def unfold(expr: ast.Expr) -> tuple[list[ast.Field | ast.Index], ast.Expr]:
-    """Return the steps from the base outwards, and the base."""
-    steps: list[ast.Field | ast.Index] = []
-    node = expr
-    while isinstance(node, ast.Field | ast.Index):
-        steps.append(node)
-        node = node.base
-    return steps[::-1], node
-
-
-def component(shape: Shape, step: ast.Field) -> tuple[int, Shape]:
-    """Return the place and the shape of a component. Raises ``LinkError``."""
-    k = None if shape.dims else shape.type.position(step.name)
-    if k is None:
-        raise LinkError(step.at, f"{shape} has no component {step.name}")
-    kind: Type = shape.type.fields[k][1]
-    return k, Shape(kind, (), kind.name)
-
-
-def indexed(shape: Shape, step: ast.Index) -> Shape:
-    """Return the shape of an element. Raises ``LinkError``."""
-    if len(step.indices) != len(shape.dims):
-        raise LinkError(step.at, f"{shape} has {len(shape.dims)} dimensions: give as many indices")
-    if any(index is None for index in step.indices):
-        raise LinkError(step.at, "* is no index here")
-    return Shape(shape.type, (), shape.declared)
-
-
-def parts(shape: Shape, count: int, at: ast.Place) -> list[Shape]:
-    """Return the shapes of an aggregate's items. Raises ``LinkError``."""
-    if shape.dims:
-        if shape.dims[0] not in {0, count}:
-            raise LinkError(at, f"{shape.dims[0]} values are needed for {shape}, not {count}")
-        return [Shape(shape.type, shape.dims[1:], shape.declared)] * count
-    fields = shape.type.fields
-    if len(fields) != count:
-        raise LinkError(at, f"{shape} has {len(fields)} components, not {count}")
-    return [Shape(kind, (), kind.name) for _, kind in fields]
-
-
-def is_record(shape: Shape, name: str) -> bool:
-    """Whether it is a scalar of this record."""
-    return not shape.dims and shape.type.name == name
-
-
-# Operators.
-
-
-def as_number(text: Text) -> Text:
-    """Read a signal's value; leave others."""
-    if text.shape.type.kind is Kind.SIGNAL:
-        return Text(f"_signal({text.text}).value", NUMBER, depth=text.depth + 1)
-    return text
-
-
-def balanced(left: Text, right: Text, at: ast.Place) -> tuple[Text, Text]:
-    """Make literals dnum beside a dnum."""
-    if left.shape.type is DNUM and right.number is not None:
-        return left, typed(right, left.shape, at)
-    if right.shape.type is DNUM and left.number is not None:
-        return typed(left, right.shape, at), right
-    return left, right
-
-
-def compare(expr: ast.Binary, left: Text, right: Text, depth: int) -> Text:
-    """Return a comparison. Raises ``LinkError``."""
-    a, b = left.shape, right.shape
-    both_numbers = a.type.is_number and b.type.is_number and not a.dims and not b.dims
-    if expr.op not in {"=", "<>"}:
-        if not both_numbers:
-            raise LinkError(expr.at, f"{expr.op} is for numbers, not for {a} and {b}")
-    elif not both_numbers and not a.accepts(b):
-        raise LinkError(expr.at, f"{a} and {b} cannot be compared")
-    return Text(f"({left.text} {_COMPARE[expr.op]} {right.text})", BOOLEAN, depth=depth)
-
-
-def arithmetic(expr: ast.Binary, left: Text, right: Text, depth: int) -> Text:
-    """Return a sum, product and so on. Raises ``LinkError``."""
-    a, b, op = left.shape, right.shape, expr.op
-    if a.type.is_number and b.type.is_number and not a.dims and not b.dims:
-        wide = DNUM in {a.type, b.type}
-        shape = Shape(DNUM, (), "dnum") if wide else NUMBER
-        if op in _ARITHMETIC:
-            rounding = "_round64" if wide else "_round"
-            text = f"{rounding}({left.text} {op} {right.text})"
-        else:
-            name = "_div" if op == "DIV" else "_mod"
-            text = f"{name}({left.text}, {right.text})"
-        return Text(text, shape, depth=depth)
-    if op == "+" and a.type is b.type is STRING and not a.dims and not b.dims:
-        return Text(f"_join({left.text}, {right.text})", TEXT, depth=depth)
-    operator = _vector_operator(op, a, b)
-    if operator is None:
-        raise LinkError(expr.at, f"{op} is not defined for {a} and {b}")
-    shape = b if a.type.is_number else a
-    first, second = (right, left) if a.type.is_number else (left, right)
-    return Text(f"{operator}({first.text}, {second.text})", shape, is_fresh=True, depth=depth)
-
-
-def _vector_operator(op: str, a: Shape, b: Shape) -> str | None:
-    if is_record(a, "pos") and is_record(b, "pos"):
-        return {"+": "_plus", "-": "_minus", "*": "_cross"}.get(op)
-    if is_record(a, "orient") and is_record(b, "orient") and op == "*":
-        return "_link"
-    if is_record(a, "pos") and b.type.is_number and not b.dims and op in "*/":
-        return "_scale" if op == "*" else "_shrink"
-    if a.type.is_number and not a.dims and is_record(b, "pos") and op == "*":
-        return "_scale"
-    return None

@@ -3,7 +3,7 @@
 from typing import Any
 
 from sims.rapid import ast
-from sims.rapid.compile.expressions import parts
+from sims.rapid.compile.parts import parts
 from sims.rapid.compile.texts import binary_limit, number
 from sims.rapid.symbols import LinkError
 from sims.rapid.types import BOOL, DNUM, NUM, STRING, Shape

@@ -7,8 +7,8 @@ from sims.rapid import ast
 from sims.rapid.ast import DataKind, Mode
 from sims.rapid.compile.arguments import Arguments
 from sims.rapid.compile.emitter import Code, Emitter
-from sims.rapid.compile.expressions import unfold
 from sims.rapid.compile.matching import match
+from sims.rapid.compile.parts import unfold
 from sims.rapid.compile.scope import Local, RoutineScope
 from sims.rapid.compile.statements import Statements
 from sims.rapid.symbols import LinkError, ModuleScope, ParamInfo, Routine

@@ -4,18 +4,15 @@ from collections.abc import Sequence
 from functools import partial
 
 from sims.rapid import ast
-from sims.rapid.ast import DataKind, Mode
 from sims.rapid.compile.arguments import Arguments
+from sims.rapid.compile.assignments import LOOK_UP, Assignments
 from sims.rapid.compile.emitter import Emitter, Label
-from sims.rapid.compile.expressions import component, indexed, unfold
 from sims.rapid.compile.scope import Local, RoutineScope
 from sims.rapid.compile.texts import NUMBER, TEXT, Text, literal, owned
 from sims.rapid.symbols import BuiltinRoutine, LinkError, MissingError, Routine
 from sims.rapid.types import Kind, Shape
 
 __all__ = ["Statements"]
-
-LOOK_UP = "return @next if not T.attention else T.pause(@next)"
 
 
 class Statements:
@@ -29,6 +26,7 @@ class Statements:
         self.result = result
         self.kind = kind
         self.expressions = self.arguments = Arguments(scope, emitter)
+        self.assignments = Assignments(self.expressions)
         self.program = scope.module.program
         self.errors: list[LinkError] = []
         self._labels: dict[str, Label] = {}
@@ -72,7 +70,7 @@ class Statements:
     def _statement(self, node: ast.Statement) -> None:
         match node:
             case ast.Assign():
-                self._assign(node)
+                self.assignments.write(node)
             case ast.ProcCall():
                 self._call(node)
             case ast.LateCall():
@@ -122,106 +120,6 @@ class Statements:
 
     def _number(self, expr: ast.Expr) -> str:
         return self.expressions.value(expr, NUMBER).text
-
-    # Assignments.
-
-    def _assign(self, node: ast.Assign) -> None:
-        steps, base = unfold(node.target)
-        if not isinstance(base, ast.Name):
-            raise LinkError(node.at, "only data can be assigned to")
-        name = base.name.lower()
-        local = self.scope.find_local(name)
-        if local is not None and not local.is_reference:
-            self._check_local(local, node)
-            root = f"f[{local.slot}]" + (".value" if local.is_boxed else "")
-            self._store(node, root, local.shape, steps)
-        elif local is not None and local.mode is Mode.VAR and steps:
-            self._store(node, f"f[{local.slot}].value", local.shape, steps)
-        elif local is not None:
-            self._store_through(node, Text(f"f[{local.slot}]", local.shape), steps)
-        else:
-            self._assign_datum(node, name, steps)
-
-    def _assign_datum(
-        self, node: ast.Assign, name: str, steps: Sequence[ast.Field | ast.Index]
-    ) -> None:
-        datum = self.scope.find_data(name)
-        if datum is None:
-            if (signal := self.scope.module.find_signal(name)) is not None:
-                raise LinkError(node.at, f"{signal.name} is a signal: use SetDO, SetGO or SetAO")
-            raise LinkError(node.at, f"{name} is not known: declare it or load its module")
-        cell = self.program.bind_cell(datum.cell)
-        match datum.decl.kind:
-            case DataKind.CONST:
-                raise LinkError(node.at, f"{datum.decl.name} is a constant")
-            case DataKind.PERS:
-                self._store_through(node, Text(cell, datum.shape), steps)
-            case DataKind.VAR:
-                self._store(node, f"{cell}.value", datum.shape, steps)
-
-    def _check_local(self, local: Local, node: ast.Assign) -> None:
-        if local.is_constant:
-            raise LinkError(node.at, f"{local.name} is a constant or a FOR variable")
-        if local.shape.type.kind is Kind.SWITCH:
-            raise LinkError(node.at, f"{local.name} is a switch and cannot be assigned to")
-
-    def _store(
-        self, node: ast.Assign, root: str, shape: Shape, steps: Sequence[ast.Field | ast.Index]
-    ) -> None:
-        """Store straight into a value that nobody watches."""
-        path, shape = self._path(shape, steps)
-        _check_assignable(shape, node.at)
-        value = self._value_before_path(node.value, shape, path)
-        if not path:
-            self._do(f"{root} = {value}", "return @next")
-            return
-        for step in path[:-1]:
-            root = f"{root}[{step}]" if isinstance(step, int) else f"_element({root}, {step.text})"
-        last = path[-1]
-        if isinstance(last, int):
-            self._do(f"{root}[{last}] = {value}", "return @next")
-        else:
-            self._do(f"_put({root}, {last.text}, {value})", "return @next")
-
-    def _store_through(
-        self, node: ast.Assign, root: Text, steps: Sequence[ast.Field | ast.Index]
-    ) -> None:
-        """Store into data that somebody may watch."""
-        path, shape = self._path(root.shape, steps)
-        _check_assignable(shape, node.at)
-        value = self._value_before_path(node.value, shape, path)
-        target = root.text
-        if path:
-            bound = self.program.bind("h", shape)
-            texts = [str(s) if isinstance(s, int) else f"float({s.text})" for s in path]
-            target = f"_ref({root.text}, {bound}, ({', '.join(texts)},))"
-        self._do(f"{target}.store({value})", LOOK_UP)
-
-    def _path(
-        self, shape: Shape, steps: Sequence[ast.Field | ast.Index]
-    ) -> tuple[list[int | Text], Shape]:
-        path: list[int | Text] = []
-        for step in steps:
-            if isinstance(step, ast.Field):
-                k, shape = component(shape, step)
-                path.append(k)
-                continue
-            shape = indexed(shape, step)
-            path += [self.expressions.value(index, NUMBER) for index in step.indices if index]
-        return path, shape
-
-    def _value_before_path(self, expr: ast.Expr, shape: Shape, path: list[int | Text]) -> str:
-        """The value's operations come after the indices' own: put such indices aside."""
-        position = self.emitter.position()
-        text = self.expressions.value(expr, shape)
-        if self.emitter.position() > position:
-            for k, step in enumerate(path):
-                if isinstance(step, Text) and not step.is_fixed:
-                    path[k] = self.expressions.put_aside(step, position)
-                    position += 1
-        if 0 in shape.dims or 0 in text.shape.dims:
-            return f"_fit({owned(text)}, {self.program.bind('h', shape)})"
-        return owned(text)
 
     # Calls.
 
@@ -393,8 +291,3 @@ class Statements:
         if subject.shape.type.kind is Kind.SIGNAL:
             return f"_signal({subject.text}).value == {self._number(value)}"
         return f"{subject.text} == {self.expressions.value(value, subject.shape).text}"
-
-
-def _check_assignable(shape: Shape, at: ast.Place) -> None:
-    if shape.type.kind is Kind.OPAQUE or shape.type.kind is Kind.SIGNAL:
-        raise LinkError(at, f"{shape} has no value that can be assigned")
