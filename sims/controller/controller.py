@@ -6,7 +6,6 @@ from typing import Self
 
 import numpy as np
 
-from drivers.arms import ArmModel
 from hal import Load, OperatingMode
 from hal.errors import CellError
 from sims.controller import instructions
@@ -55,7 +54,7 @@ class Controller:
         self.epoch_s = setup.epoch_s
         self.statement_ns = setup.statement_ns
         arm = setup.arm or world.arm_model
-        self.info: Mapping[str, str] = {**_info(arm), **setup.info}
+        self.info: Mapping[str, str] = setup.info_of(arm)
         self._panel = Panel(
             world.cabinet,
             self.log,
@@ -197,19 +196,7 @@ class Controller:
             return "the controller is off"
         if not self._execution.normal_tasks:
             return "there is no NORMAL task"
-        reasons = {
-            CtrlState.MOTOROFF: "the motors are off: switch them on",
-            CtrlState.GUARDSTOP: "a guard is open: close it",
-            CtrlState.EMERGENCYSTOP: "the emergency stop is pressed: release it, reset, motors on",
-            CtrlState.EMERGENCYSTOPRESET: "the emergency stop is not reset: reset, then motors on",
-            CtrlState.SYSFAIL: "system failure: restart the controller",
-            CtrlState.INIT: "the controller is starting up",
-        }
-        if self.state in reasons:
-            return reasons[self.state]
-        if self.mode not in OP_MODES:
-            return "the mode change is not confirmed yet"
-        return None
+        return self._panel.refusal()
 
     async def start(self) -> None:
         """Run the NORMAL tasks from where they stand.
@@ -377,15 +364,3 @@ async def _quiet(job: Awaitable[None], log: ControllerLog) -> None:
         await job
     except CellError as error:
         log.write(EventKind.ERROR, 1, 20010, "Order refused", [str(error)])
-
-
-def _info(arm: ArmModel) -> dict[str, str]:
-    return {
-        "serialno": "1200-000001",
-        "swversion": "6.15.0000",
-        "robottype": arm.model,
-        "ctrlid": "binpick",
-        "lanip": "192.168.125.1",
-        "ctrllang": "en",
-        "systemname": "binpick",
-    }

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from hal import OperatingMode
 from sims.controller.eventlog import ControllerLog
-from sims.controller.state import MODES, CtrlState, OpMode, StateEvent, after
+from sims.controller.state import MODES, OP_MODES, CtrlState, OpMode, StateEvent, after
 from sims.rapid.host import EventKind
 from sims.world.cabinet import Cabinet
 
@@ -18,6 +18,14 @@ TITLES: dict[CtrlState, tuple[int, EventKind, str]] = {
     CtrlState.EMERGENCYSTOP: (10013, EventKind.ERROR, "Emergency stop state"),
     CtrlState.EMERGENCYSTOPRESET: (10010, EventKind.STATE, "Emergency stop released"),
     CtrlState.SYSFAIL: (10014, EventKind.ERROR, "System failure state"),
+}
+REFUSALS: dict[CtrlState, str] = {
+    CtrlState.INIT: "the controller is starting up",
+    CtrlState.MOTOROFF: "the motors are off: switch them on",
+    CtrlState.GUARDSTOP: "a guard is open: close it",
+    CtrlState.EMERGENCYSTOP: "the emergency stop is pressed: release it, reset, motors on",
+    CtrlState.EMERGENCYSTOPRESET: "the emergency stop is not reset: reset, then motors on",
+    CtrlState.SYSFAIL: "system failure: restart the controller",
 }
 MODE_TITLES: dict[OpMode, tuple[int, str]] = {
     OpMode.MANR: (10015, "Manual mode selected"),
@@ -83,6 +91,14 @@ class Panel:
     def fail(self) -> None:
         """A system failure: only a restart helps."""
         self._fire(StateEvent.FAILED)
+
+    def refusal(self) -> str | None:
+        """Why programs cannot be started in this state and mode; None: they can."""
+        if self.state is not CtrlState.MOTORON:
+            return REFUSALS[self.state]
+        if self.mode not in OP_MODES:
+            return "the mode change is not confirmed yet"
+        return None
 
     def _due(self) -> StateEvent | None:
         """What the cabinet says that the state does not know yet."""

@@ -118,6 +118,19 @@ class Setup:
         own = set(_declared(task.modules))
         return {name: text for name, text in self.overrides.items() if name.lower() in own}
 
+    def info_of(self, arm: ArmModel) -> dict[str, str]:
+        """The answers of GetSysInfo."""
+        usual = {
+            "serialno": "1200-000001",
+            "swversion": "6.15.0000",
+            "robottype": arm.model,
+            "ctrlid": "binpick",
+            "lanip": "192.168.125.1",
+            "ctrllang": "en",
+            "systemname": "binpick",
+        }
+        return {**usual, **self.info}
+
     def changed(self, **changes: object) -> "Setup":
         """The same with other values."""
         return replace(self, **changes)  # type: ignore[arg-type]

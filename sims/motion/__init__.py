@@ -4,14 +4,13 @@
 """
 
 from sims.motion.corners import Piece
+from sims.motion.leg import Leg, standing_leg
 from sims.motion.legs import (
     CircleError,
-    Leg,
     SingularityError,
     circular_leg,
     joint_leg,
     linear_leg,
-    standing_leg,
 )
 from sims.motion.pace import Pace, Zone
 from sims.motion.player import WayPlayer

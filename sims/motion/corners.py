@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.arms import Kinematics
-from sims.motion.legs import Leg, leg_through
+from sims.motion.leg import Leg, leg_through
 from sims.motion.pace import Pace
 
 __all__ = ["Piece", "corner_between"]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sims.motion.corners import Piece
-from sims.motion.legs import Leg
+from sims.motion.leg import Leg
 from sims.motion.pace import Pace
 
 __all__ = ["Limits", "limits_of", "widened"]

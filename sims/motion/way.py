@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivers.arms import Kinematics
 from sims.motion.corners import Piece, corner_between
-from sims.motion.legs import Leg
+from sims.motion.leg import Leg
 from sims.motion.limits import limits_of, widened
 from sims.motion.pace import Pace, Zone
 from sims.motion.timing import Grid

@@ -21,8 +21,8 @@ from sims.controller.instructions.common import (
     refusal,
     value_of,
 )
+from sims.controller.queue import Happening, Move
 from sims.controller.settings import Speed
-from sims.controller.unit import Happening, Move
 from sims.motion import Leg, Zone, circular_leg, joint_leg, linear_leg
 from sims.rapid.builtin import Legal, TaskContext
 from sims.rapid.errors import RapidError

@@ -6,7 +6,7 @@ from typing import Any
 from sims.controller.instructions.common import instruction, not_supported
 from sims.controller.instructions.moves import Planner, circular, drive, joint, linear
 from sims.controller.instructions.triggers import Trigger, happening_of, signal_of, told
-from sims.controller.unit import Happening
+from sims.controller.queue import Happening
 from sims.rapid.builtin import Legal, TaskContext
 from sims.rapid.errors import RapidError
 

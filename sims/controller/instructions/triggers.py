@@ -6,7 +6,7 @@ from typing import Any, cast
 
 from sims.controller.frames import MM
 from sims.controller.instructions.common import instruction, not_supported
-from sims.controller.unit import Happening
+from sims.controller.queue import Happening
 from sims.rapid.builtin import Legal, Ref, TaskContext, opaque
 from sims.rapid.errors import RapidError
 from sims.rapid.host import EventKind, Signal
