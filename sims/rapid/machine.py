@@ -67,7 +67,7 @@ class Machine:
         self._is_done = False
         self._is_undoing = False
         self._warn = warn
-        program.namespace["T"] = self
+        program.common["T"] = self
 
     # For the task.
 
@@ -187,7 +187,7 @@ class Machine:
         if isinstance(routine, Routine):
             return self.call(routine, late_routine(routine, arguments, at), own, resume, None)
         keywords = late_builtin(routine, arguments, at)
-        result = routine.builtin.call(self.program.namespace["C"], **keywords)
+        result = routine.builtin.call(self.program.common["C"], **keywords)
         return (
             self.wait(result, own, resume, None, None) if routine.is_async else self.pause(resume)
         )

@@ -35,8 +35,8 @@ class Program:
     """The names and the code of one task.
 
     ``extra`` is data that the system adds, as (type, name).
-    ``shared`` are the persistents of all tasks, by lower-case name; ``namespace`` is what
-    compiled code can name.
+    ``shared`` are the persistents of all tasks, by lower-case name. ``common`` is what all
+    compiled code can name, ``namespace`` what the modules added last can; it goes with them.
     """
 
     def __init__(
@@ -53,7 +53,8 @@ class Program:
         self.routines: dict[str, Routine] = {}
         self.modules: dict[str, ModuleScope] = {}
         self.builtins: Mapping[str, BuiltinRoutine] = {}
-        self.namespace: dict[str, Any] = dict(_HELPERS)
+        self.common: dict[str, Any] = dict(_HELPERS)
+        self.namespace: dict[str, Any] = {}
         self._shared = shared
         self._bound: dict[int, str] = {}
         self._overrides = {name.lower(): text for name, text in (overrides or {}).items()}
@@ -69,6 +70,7 @@ class Program:
 
     def add(self, modules: Iterable[Module]) -> list[Diagnostic]:
         """Declare modules and link them; return all that is wrong."""
+        self.namespace, self._bound = dict(self.common), {}
         problems: list[Diagnostic] = []
         scopes = []
         for tree in modules:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from sims.rapid.data import Cell
 from sims.rapid.frames import Frame, FrameKind
 
 __all__ = ["Landing", "find_handler"]
@@ -41,6 +42,10 @@ def find_handler(frames: Sequence[Frame], number: int) -> Landing | None:
 
 def _clause(frame: Frame, number: int, *, long_only: bool) -> int | None:
     for numbers, is_long, target in frame.code.handlers:
-        if (is_long or not long_only) and (not numbers or number in numbers):
+        if (is_long or not long_only) and (not numbers or _lists(numbers, number)):
             return target
     return None
+
+
+def _lists(numbers: Sequence[int | Cell], number: int) -> bool:
+    return any((one.value if isinstance(one, Cell) else one) == number for one in numbers)

@@ -69,7 +69,7 @@ class Task:
         self._runner: asyncio.Task[None] | None = None
         self._sleeper: asyncio.Future[None] | None = None
         self._awaited: Frame | None = None
-        program.namespace["C"] = self
+        program.common["C"] = self
 
     # Operation.
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sims.rapid.ast import Place
+from sims.rapid.data import Cell
 
 __all__ = ["Code", "Emitter", "Label", "Operation", "StatementMark"]
 
@@ -51,14 +52,15 @@ class Operation:
 class Code:
     """What the machine runs; the tables are by operation number.
 
-    ``handlers``: (error numbers, is a long jump, first operation); no numbers: all errors.
+    ``handlers``: (error numbers, is a long jump, first operation); no numbers: all errors. A
+    number that the program books while it runs is a cell.
     """
 
     steps: tuple[Step, ...]
     places: tuple[Place, ...]
     starts: tuple[int, ...]
     afters: tuple[int, ...]
-    handlers: tuple[tuple[frozenset[int], bool, int], ...] = ()
+    handlers: tuple[tuple[tuple[int | Cell, ...], bool, int], ...] = ()
     undo: int | None = None
     weight: int = 0
 

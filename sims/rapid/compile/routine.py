@@ -11,6 +11,7 @@ from sims.rapid.compile.matching import match
 from sims.rapid.compile.parts import unfold
 from sims.rapid.compile.scope import Local, RoutineScope
 from sims.rapid.compile.statements import Statements
+from sims.rapid.data import Cell
 from sims.rapid.symbols import LinkError, ModuleScope, ParamInfo, Routine
 from sims.rapid.types import Shape
 from sims.rapid.values import default
@@ -148,18 +149,25 @@ class _Writer:
         self.emitter.place(mark.after)
         self.emitter.operation("return T.leave()")
 
-    def _handler(self, handler: ast.Handler) -> tuple[frozenset[int], bool, Any]:
-        numbers = set()
+    def _handler(self, handler: ast.Handler) -> tuple[tuple[int | Cell, ...], bool, Any]:
+        numbers = []
         for expr in handler.numbers:
             try:
-                numbers.add(int(self.module.program.evaluate_number(expr, self.module)))
+                numbers.append(self._error_number(expr))
             except LinkError as error:
                 self.statements.errors.append(error)
         label = self.emitter.label()
         self.emitter.place(label)
         self.statements.block(handler.body)
         self._close(self.routine.result is not None)
-        return frozenset(numbers), handler.has_long_jump, label
+        return tuple(numbers), handler.has_long_jump, label
+
+    def _error_number(self, expr: ast.Expr) -> int | Cell:
+        if isinstance(expr, ast.Name):
+            datum = self.module.find_data(expr.name.lower())
+            if datum is not None and datum.decl.kind is not DataKind.CONST:
+                return datum.cell
+        return int(self.module.program.evaluate_number(expr, self.module))
 
     def _undo(self) -> Any:
         if self.decl.undo is None:

@@ -129,7 +129,7 @@ class Statements:
             reason = self.program.refuses(node.name)
             if reason:
                 raise LinkError(node.at, reason)
-            arguments = self.arguments.for_late_call(node.arguments)
+            arguments = self._late_arguments(node)
             self._do(
                 f"return T.late({literal(node.name)}, {arguments}, {self._module()}, @own, @next)"
             )
@@ -141,6 +141,12 @@ class Statements:
             self._do(f"return T.call({bound}, {values}, @own, @next, None)")
         else:
             self._builtin(routine, node)
+
+    def _late_arguments(self, node: ast.ProcCall) -> str:
+        try:
+            return self.arguments.for_late_call(node.arguments)
+        except LinkError as error:
+            raise MissingError(node.at, f"{node.name} is not known, and {error}") from error
 
     def _builtin(self, routine: BuiltinRoutine, node: ast.ProcCall) -> None:
         if routine.result is not None:

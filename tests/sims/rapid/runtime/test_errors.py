@@ -358,6 +358,40 @@ def test_booked_numbers_are_raised_and_told_apart():
     assert trace(program) == "first second"
 
 
+def test_a_clause_can_list_a_booked_number():
+    program = """
+        VAR errnum mine := -1;
+        PROC main()
+            BookErrNo mine;
+            RAISE mine;
+        ERROR (mine)
+            note "mine";
+            TRYNEXT;
+        ERROR
+            note "other";
+        ENDPROC
+    """
+    assert trace(program) == "mine"
+
+
+def test_calls_of_what_is_not_there_are_errors_only_when_they_are_reached():
+    program = """
+        VAR num a;
+        VAR bool never;
+        PROC main()
+            IF never nosuch [1, 2, 3];
+            IF never a := 1 + nofunc(2);
+            nosuch [1, 2, 3], a;
+            a := nofunc(2);
+            note "end";
+        ERROR (ERR_REFUNKPRC)
+            note "x";
+            TRYNEXT;
+        ENDPROC
+    """
+    assert trace(program) == "xxend"
+
+
 def test_exit_undoes_loses_the_pointer_and_exitcycle_begins_again():
     program = """
         PERS num cycles := 0;
