@@ -75,7 +75,10 @@ _add_family("Dnum", "dnum", _DNUM_BITS)
 def _put(name: str, bitdata: Ref, bitpos: float, is_set: bool) -> None:
     bits = _DNUM_BITS if bitdata.base == "dnum" else _BYTE_BITS
     mask = 1 << (_position(name, bitpos, bits) - 1)
-    value = _whole(name, bitdata.get(), bits)
+    held = bitdata.get()
+    if isinstance(held, bool) or not isinstance(held, float | int):
+        raise RapidError("ERR_ARGVALERR", f"{name}: a {bitdata.type} has no bits", is_fatal=True)
+    value = _whole(name, held, bits)
     bitdata.set(float(value | mask if is_set else value & ~mask))
 
 
