@@ -87,6 +87,7 @@ BENCHES: dict[str, Bench] = {
     "depth": _in_sims("sims.bench.depth"),
     "pose": _in_sims("sims.bench.pose"),
     "cell": run_cell_bench,
+    "abb": _in_sims("sims.bench.abb"),
 }
 
 

@@ -15,7 +15,7 @@ NAME = "bench"
 
 
 def command(
-    what: Annotated[str, typer.Argument(help="world, depth, pose, cell, or all.")],
+    what: Annotated[str, typer.Argument(help="world, depth, pose, cell, abb, or all.")],
     seeds: Annotated[str, typer.Option(help="Seeds: 0-9, or 0,2,5-7.")] = "0-2",
     parts: Annotated[
         str, typer.Option("--parts", help="As for `binpick demo`: 20, 20xshaft-slim.")
@@ -26,7 +26,9 @@ def command(
 
     world: physics and arm; depth: stereo matching against OpenCV's SGBM on the same images;
     pose: shafts found in rendered piles against FPFH + RANSAC + ICP on the same depth; cell:
-    whole bins emptied. Each runs on every seed; failures are counted, never left out.
+    whole bins emptied; abb: the driver's round trip against a bare socket, the same through RAPID,
+    the interpreter's speed, how exactly the simulated arm keeps to its path, and how it stops. Each
+    runs on every seed; failures are counted, never left out.
     """
     from rich.progress import Progress
 

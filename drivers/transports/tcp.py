@@ -61,6 +61,13 @@ class TcpTransport(asyncio.Protocol):
         self._is_over = True
         self._wake()
 
+    def abort(self) -> None:
+        """Close at once; what was sent may be lost."""
+        if self._stream is not None:
+            self._stream.abort()
+        self._is_over = True
+        self._wake()
+
     # What asyncio calls.
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
