@@ -1,8 +1,8 @@
 """The simulated controller: RAPID tasks, one arm, signals, state, event log, pendant."""
 
 import asyncio
-from collections.abc import Awaitable, Iterable, Mapping
-from typing import Self
+from collections.abc import Coroutine, Iterable, Mapping
+from typing import Any, Self
 
 import numpy as np
 
@@ -64,6 +64,7 @@ class Controller:
         self._arm = arm
         self._supervision = Supervision(world, arm)
         self._is_on = False
+        self._watch: asyncio.Future[None] | None = None
         self._jobs: set[asyncio.Task[None]] = set()
         self._build()
 
@@ -156,8 +157,7 @@ class Controller:
         self._inputs = SystemInputs(self.setup.system_inputs, self.signals, actions_of(self))
         self._note_unknown(self._outputs.unknown, "system output")
         self._note_unknown(self._inputs.unknown, "system input")
-        watch = self.world.until(self._is_over)
-        self.order(_awaited(watch))
+        self._watch = self.world.until(self._is_over)
         await self._execution.power_on()
 
     async def power_off(self) -> None:
@@ -165,15 +165,18 @@ class Controller:
         if not self._is_on:
             return
         self._is_on = False
+        if self._watch is not None:
+            self._watch.cancel()
         if self._inputs is not None:
             self._inputs.close()
         self._execution.stop("power off")
         self.unit.drop()
         await self.system.close()
-        for job in list(self._jobs):
+        # A restart may have been ordered by a signal: then it is one of the jobs itself.
+        others = self._jobs - {asyncio.current_task()}
+        for job in others:
             job.cancel()
-        await asyncio.gather(*self._jobs, return_exceptions=True)
-        self._jobs.clear()
+        await asyncio.gather(*others, return_exceptions=True)
 
     async def restart(self) -> None:
         """Warm start: everything is loaded anew, sockets are closed, nothing runs by itself."""
@@ -347,20 +350,17 @@ class Controller:
     def _set_load(self, load: Load) -> None:
         self.world.arm.set_load(load)
 
-    def order(self, job: Awaitable[None]) -> None:
+    def order(self, job: Coroutine[Any, Any, None]) -> None:
         """Do something in this loop; what it refuses goes to the event log."""
-        task = asyncio.ensure_future(_quiet(job, self.log))
+        task = asyncio.get_running_loop().create_task(job)
         self._jobs.add(task)
-        task.add_done_callback(self._jobs.discard)
+        task.add_done_callback(self._has_ended)
 
-
-async def _awaited(future: "asyncio.Future[None]") -> None:
-    await future
-
-
-async def _quiet(job: Awaitable[None], log: ControllerLog) -> None:
-    """What is ordered by a signal has nobody to raise at."""
-    try:
-        await job
-    except CellError as error:
-        log.write(EventKind.ERROR, 1, 20010, "Order refused", [str(error)])
+    def _has_ended(self, job: "asyncio.Task[None]") -> None:
+        """What is ordered by a signal has nobody to raise at."""
+        self._jobs.discard(job)
+        error = None if job.cancelled() else job.exception()
+        if isinstance(error, CellError):
+            self.log.write(EventKind.ERROR, 1, 20010, "Order refused", [str(error)])
+        elif error is not None:
+            raise error

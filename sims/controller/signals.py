@@ -18,6 +18,7 @@ Cancel = Callable[[], None]
 
 GROUPS = (SignalKind.GI, SignalKind.GO)
 ANALOG = (SignalKind.AI, SignalKind.AO)
+DIGITAL = (SignalKind.DI, SignalKind.DO)
 INPUTS = (SignalKind.DI, SignalKind.GI, SignalKind.AI)
 MOST_BITS = 32
 PROTECTED = ("readonly", "internal")
@@ -157,7 +158,8 @@ class SignalBoard:
 
     def _connect(self, cross: CrossConnection) -> None:
         names = [cross.result, *(name for name, _ in cross.actors)]
-        if any(name.lower() not in self.by_name for name in names):
+        signals = [self.by_name.get(name.lower()) for name in names]
+        if any(signal is None or signal.kind not in DIGITAL for signal in signals):
             return
         result = self.by_name[cross.result.lower()]
         is_busy = False

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from sims.controller.backup import SystemInput, SystemOutput
 from sims.controller.signals import ControllerSignal
+from sims.rapid.host import SignalKind
 
 __all__ = ["SystemInputs", "SystemOutputs", "word_of"]
 
@@ -32,7 +33,7 @@ class SystemOutputs:
         for output in outputs:
             state = states.get(word_of(output.status))
             signal = signals.get(output.signal.lower())
-            if state is None or signal is None:
+            if state is None or signal is None or signal.kind is not SignalKind.DO:
                 self.unknown.append(f"{output.status} -> {output.signal}")
                 continue
             argument = output.arguments[0] if output.arguments else ""

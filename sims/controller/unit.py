@@ -330,9 +330,14 @@ class MechanicalUnit:
         return player
 
     def _rest(self) -> None:
+        self._let_happen(0.0)
         while self.moves and self._is_passed(self.moves[0]):
-            self._let_happen(np.inf if len(self.moves) == 1 else 0.0)
             self._end(self.moves.popleft())
+        if not self.moves:
+            # What was to happen later than the end happens now.
+            late, self._happenings = self._happenings, []
+            for happening in late:
+                happening.action()
         self._wake(self._standing)
 
     def _end(self, move: Move) -> None:

@@ -318,3 +318,29 @@ def test_power_off_ends_tasks_and_the_world_goes_on(bench):
         await asyncio.sleep(0.1)
 
     made.run(play)
+
+
+def test_a_restart_ordered_by_a_signal_restarts(bench):
+    async def play(b):
+        await b.start()
+        await asyncio.sleep(0.2)
+        assert b.value("phase") == 1
+        b.controller.set_input("i0", 1)
+        await asyncio.sleep(0.2)
+        assert not b.controller.is_running
+        assert b.value("phase") == 0
+        await b.start()
+        await asyncio.sleep(0.2)
+        assert b.value("phase") == 1
+
+    signals = [SignalConfig("i0", SignalKind.DI)]
+    inputs = [SystemInput("i0", "SystemRestart")]
+    bench(WAITING, signals=signals, system_inputs=inputs).run(play)
+
+
+def test_states_are_told_by_digital_outputs_only(bench):
+    async def play(b):
+        assert any("MotorOn -> a0" in line for entry in b.controller.log for line in entry.cause)
+
+    signals = [SignalConfig("a0", SignalKind.AO, logical_min=5, logical_max=10)]
+    bench(WAITING, signals=signals, system_outputs=[SystemOutput("MotorOn", "a0")]).run(play)
