@@ -7,7 +7,7 @@ from collections.abc import Callable
 from drivers.abb.checklist import connection_advice
 from drivers.abb.codec import MAX_SEQ, encode, reply_decoder
 from drivers.abb.messages import Frame, Message
-from drivers.transports import Connector, Transport
+from drivers.transports import Connector, PushTransport, Transport
 from hal.errors import CellError, DeviceTimeoutError, LinkError, RemoteProtocolError
 
 __all__ = ["Channel", "Exchange"]
@@ -26,14 +26,21 @@ class Exchange:
     def __init__(self, seq: int, answers: int) -> None:
         loop = asyncio.get_running_loop()
         self.seq = seq
+        self._given = 0
         self.answers: list[asyncio.Future[Message]] = [loop.create_future() for _ in range(answers)]
 
     def take(self, message: Message) -> bool:
         """Give the next answer; True when it was the last one."""
-        waiting = [future for future in self.answers if not future.done()]
-        if waiting:
-            waiting[0].set_result(message)
-        return len(waiting) <= 1
+        future = self.answers[self._given]
+        self._given += 1
+        if not future.done():
+            future.set_result(message)
+        return self._given == len(self.answers)
+
+    @property
+    def missing(self) -> int:
+        """How many answers have not come."""
+        return len(self.answers) - self._given
 
     def fail(self, error: CellError) -> None:
         """Give an error instead of what is missing."""
@@ -62,7 +69,13 @@ class Channel:
         self._pending: dict[int, Exchange] = {}
         self._forgotten: dict[int, int] = {}
         self._on_end: list[Callable[[], None]] = []
-        self._reader = asyncio.get_running_loop().create_task(self._read(), name=f"{name} reader")
+        self._decoder = reply_decoder()
+        self._reader: asyncio.Task[None] | None = None
+        if isinstance(transport, PushTransport):
+            transport.deliver_to(self._arrived)
+        else:
+            loop = asyncio.get_running_loop()
+            self._reader = loop.create_task(self._read(), name=f"{name} reader")
 
     @classmethod
     async def connect(
@@ -142,7 +155,7 @@ class Channel:
         """Wait for an answer of an exchange; see ``ask``."""
         try:
             async with asyncio.timeout(timeout_s):
-                return await asyncio.shield(exchange.answers[which])
+                return await exchange.answers[which]
         except TimeoutError as error:
             self.forget(exchange)
             raise DeviceTimeoutError(
@@ -154,10 +167,9 @@ class Channel:
 
     def forget(self, exchange: Exchange) -> None:
         """Give a request up; answers to it that are still to come are dropped."""
-        missing = sum(not future.done() for future in exchange.answers)
-        if self._pending.pop(exchange.seq, None) is None or not missing:
+        if self._pending.pop(exchange.seq, None) is None or not exchange.missing:
             return
-        self._forgotten[exchange.seq] = missing
+        self._forgotten[exchange.seq] = exchange.missing
         while len(self._forgotten) > MAX_FORGOTTEN:
             self._forgotten.pop(next(iter(self._forgotten)))
 
@@ -173,7 +185,7 @@ class Channel:
             return
         self.error = error
         self._transport.close()
-        if self._reader is not asyncio.current_task():
+        if self._reader is not None and self._reader is not asyncio.current_task():
             self._reader.cancel()
         for exchange in self._pending.values():
             exchange.fail(error)
@@ -184,8 +196,9 @@ class Channel:
     async def close(self) -> None:
         """Close and wait until the reader has ended."""
         self.end(LinkError(f"the {self._name} connection was closed", device=self._device))
-        with contextlib.suppress(asyncio.CancelledError):
-            await self._reader
+        if self._reader is not None:
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._reader
 
     async def _send(self, data: bytes) -> None:
         try:
@@ -195,18 +208,23 @@ class Channel:
             raise self.error or error from error
 
     async def _read(self) -> None:
-        decoder = reply_decoder()
         try:
-            while True:
-                data = await self._transport.receive(RECEIVE_BYTES)
-                if not data:
-                    self.end(self._lost("the controller closed it"))
-                    return
-                decoder.feed(data)
-                while (frame := decoder.next_frame()) is not None:
-                    self._take(frame)
+            while self.error is None:
+                self._arrived(await self._transport.receive(RECEIVE_BYTES))
         except OSError as error:
             self.end(self._lost(str(error)))
+
+    def _arrived(self, data: bytes) -> None:
+        """Take what arrived; ``b""``: the end."""
+        if self.error is not None:
+            return
+        if not data:
+            self.end(self._lost("the controller closed it"))
+            return
+        self._decoder.feed(data)
+        try:
+            while (frame := self._decoder.next_frame()) is not None:
+                self._take(frame)
         except RemoteProtocolError as error:
             self.end(error)
 

@@ -55,7 +55,7 @@ class Layout:
         numbers = self._struct.unpack(payload)
         if not all(map(math.isfinite, numbers)):
             raise ValueError("a number is not finite")
-        return self.message(**dict(self._values(numbers)))
+        return self.message(*self._values(numbers))
 
     def _numbers(self, message: Any) -> Iterator[float]:
         for field in self._fields:
@@ -71,16 +71,20 @@ class Layout:
                 else:
                     yield round(number * field.scale)
 
-    def _values(self, numbers: Sequence[float]) -> Iterator[tuple[str, Any]]:
+    def _values(self, numbers: Sequence[float]) -> Iterator[Any]:
         at = 0
         for field in self._fields:
-            part = numbers[at : at + field.count]
+            if field.count == 1:
+                value = numbers[at]
+                if field.kind is not None:
+                    yield field.kind(value)
+                else:
+                    yield value if field.scale == 1.0 else value / field.scale
+            else:
+                part = numbers[at : at + field.count]
+                scale = field.scale
+                yield part if scale == 1.0 else tuple([value / scale for value in part])
             at += field.count
-            if field.kind is not None:
-                yield field.name, field.kind(part[0])
-                continue
-            values = part if field.scale == 1.0 else tuple(v / field.scale for v in part)
-            yield field.name, values[0] if field.count == 1 else values
 
 
 class TextLayout:

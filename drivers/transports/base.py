@@ -1,8 +1,9 @@
 """What a driver is handed instead of a socket."""
 
-from typing import Protocol
+from collections.abc import Callable
+from typing import Protocol, runtime_checkable
 
-__all__ = ["Connector", "Transport"]
+__all__ = ["Connector", "PushTransport", "Transport"]
 
 
 class Transport(Protocol):
@@ -28,6 +29,14 @@ class Transport(Protocol):
 
     def close(self) -> None:
         """Both ways; harmless when closed."""
+
+
+@runtime_checkable
+class PushTransport(Protocol):
+    """A transport that can hand over what arrives unasked: two turns of the loop less."""
+
+    def deliver_to(self, sink: Callable[[bytes], None]) -> None:
+        """Call with what arrives, from now on, and with ``b""`` at the end; ``receive`` is over."""
 
 
 class Connector(Protocol):

@@ -3,6 +3,7 @@
 import asyncio
 import socket
 from collections import deque
+from collections.abc import Callable
 from weakref import WeakValueDictionary
 
 from hal.errors import ConfigError
@@ -26,6 +27,7 @@ class TcpTransport(asyncio.Protocol):
         self._error: ConnectionError | None = None
         self._is_over = False
         self._is_paused = False
+        self._sink: Callable[[bytes], None] | None = None
 
     async def receive(self, most: int) -> bytes:
         while not self._segments:
@@ -61,6 +63,15 @@ class TcpTransport(asyncio.Protocol):
         self._is_over = True
         self._wake()
 
+    def deliver_to(self, sink: Callable[[bytes], None]) -> None:
+        """Hand over what arrives, from now on; see ``PushTransport``."""
+        self._sink = sink
+        while self._segments:
+            sink(self._segments.popleft())
+        self._held = 0
+        if self._is_over:
+            sink(b"")
+
     def abort(self) -> None:
         """Close at once; what was sent may be lost."""
         if self._stream is not None:
@@ -78,6 +89,9 @@ class TcpTransport(asyncio.Protocol):
         stream.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
 
     def data_received(self, data: bytes) -> None:
+        if self._sink is not None:
+            self._sink(data)
+            return
         self._segments.append(data)
         self._held += len(data)
         if self._held > HIGH_WATER_BYTES and self._stream is not None:
@@ -86,14 +100,12 @@ class TcpTransport(asyncio.Protocol):
         self._wake()
 
     def eof_received(self) -> None:
-        self._is_over = True
-        self._wake()
+        self._end()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        self._is_over = True
         if exc is not None:
             self._error = ConnectionResetError(str(exc))
-        self._wake()
+        self._end()
         self.resume_writing()
 
     def pause_writing(self) -> None:
@@ -103,6 +115,12 @@ class TcpTransport(asyncio.Protocol):
         if self._drained is not None and not self._drained.done():
             self._drained.set_result(None)
         self._drained = None
+
+    def _end(self) -> None:
+        was_over, self._is_over = self._is_over, True
+        self._wake()
+        if self._sink is not None and not was_over:
+            self._sink(b"")
 
     def _wake(self) -> None:
         if self._waiter is not None and not self._waiter.done():
