@@ -107,7 +107,7 @@ class Calls:
         expressions = self.expressions
         value = call.arguments[0].value if len(call.arguments) == 1 else None
         data = expressions.find(value.name) if isinstance(value, Name) else None
-        if data is None or data.param is None or not data.param.is_optional:
+        if data is None or data.param is None:
             expressions.error(
                 call.at, "Present() asks about one optional parameter of its own routine"
             )
@@ -175,7 +175,7 @@ class Calls:
         expressions = self.expressions
         if argument.condition is not None:
             data = expressions.find(argument.condition.name)
-            if data is None or data.param is None or not data.param.is_optional:
+            if data is None or data.param is None:
                 expressions.error(
                     argument.at,
                     f"{argument.condition.name} behind ? has to be an optional parameter of this "

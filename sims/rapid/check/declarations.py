@@ -14,7 +14,7 @@ from sims.rapid.ast import (
     Scope,
 )
 from sims.rapid.check.expressions import NUM, Expressions
-from sims.rapid.check.scope import Known, Types
+from sims.rapid.check.scope import Known, Types, predefined_types
 from sims.rapid.errors import Diagnostic, Severity
 from sims.rapid.names import why_unsupported
 
@@ -118,20 +118,30 @@ def check_with_others(
     modules: Sequence[Module], others: Mapping[str, Sequence[Module]]
 ) -> list[Diagnostic]:
     """Find persistents that another task declares with another type."""
-    known: dict[str, tuple[str, int, str]] = {}
+    known: dict[str, tuple[DataDecl, str, str]] = {}
     for task, theirs in others.items():
+        types = _aliases(theirs)
         for decl in _shared(theirs):
-            known.setdefault(decl.name.lower(), (decl.type, len(decl.dims), task))
+            known.setdefault(decl.name.lower(), (decl, types.resolve(decl.type) or "", task))
     found: list[Diagnostic] = []
+    types = _aliases(modules)
     for decl in _shared(modules):
-        other = known.get(decl.name.lower())
-        if other is not None and (other[0].lower(), other[1]) != (
-            decl.type.lower(),
-            len(decl.dims),
-        ):
-            why = f"{decl.name} is a {decl.type} here and a {other[0]} in task {other[2]}"
+        resolved = types.resolve(decl.type)
+        other, their_type, task = known.get(decl.name.lower(), (decl, resolved, ""))
+        is_certain = bool(resolved and their_type)
+        if is_certain and (their_type, len(other.dims)) != (resolved, len(decl.dims)):
+            why = f"{decl.name} is a {decl.type} here and a {other.type} in task {task}"
             found.append(Diagnostic(decl.at, f"{why}: use one type, or TASK PERS"))
     return found
+
+
+def _aliases(modules: Sequence[Module]) -> Types:
+    types = Types(predefined_types())
+    for module in modules:
+        for decl in module.declarations:
+            if isinstance(decl, RecordDecl | AliasDecl):
+                types.add(decl)
+    return types
 
 
 def _shared(modules: Sequence[Module]) -> list[DataDecl]:

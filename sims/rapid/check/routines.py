@@ -90,15 +90,17 @@ class _Walk:
         self.calls = calls
         self.has_way_out = False
         self._in_handler = False
-        self._labels: set[str] = set()
+        clauses = [decl.body, *(handler.body for handler in decl.handlers)]
+        clauses += [clause for clause in (decl.undo, decl.backward) if clause is not None]
+        self._labels = {label.name.lower() for clause in clauses for label in _labels_in(clause)}
 
     def clause(self, statements: Sequence[Statement]) -> None:
-        """Check the statements of a clause; labels belong to it."""
-        self._labels = set()
+        """Check the statements of a clause; a label stands once in it."""
+        seen: set[str] = set()
         for label in _labels_in(statements):
-            if label.name.lower() in self._labels:
+            if label.name.lower() in seen:
                 self.expressions.error(label.at, f"the label {label.name} stands twice")
-            self._labels.add(label.name.lower())
+            seen.add(label.name.lower())
         self._block(statements)
 
     def handler(self, handler: Handler) -> None:
@@ -155,7 +157,7 @@ class _Walk:
             case Goto():
                 if node.label.lower() not in self._labels:
                     self.expressions.error(
-                        node.at, f"there is no label {node.label} in this part of the routine"
+                        node.at, f"there is no label {node.label} in {self.decl.name}"
                     )
             case Return():
                 self._return(node)

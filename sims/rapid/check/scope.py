@@ -18,7 +18,17 @@ from sims.rapid.builtin import BUILTINS, OPAQUE, Legal
 from sims.rapid.parser import parse_routine_head
 from sims.rapid.prelude import prelude_modules
 
-__all__ = ["ATOMIC", "Data", "Known", "Names", "Routine", "Types"]
+__all__ = [
+    "ATOMIC",
+    "SIGNALS",
+    "Data",
+    "Known",
+    "Names",
+    "Routine",
+    "Types",
+    "data_of",
+    "predefined_types",
+]
 
 ATOMIC = frozenset({"num", "dnum", "bool", "string"})
 
@@ -194,6 +204,11 @@ def data_of(decl: DataDecl, types: Types) -> Data:
     resolved = types.resolve(decl.type)
     known = None if resolved is None else Known(resolved, len(decl.dims))
     return Data(decl.name, known, decl.kind)
+
+
+def predefined_types() -> Types:
+    """Return the types that every task knows."""
+    return _base(len(BUILTINS), len(OPAQUE)).types
 
 
 @lru_cache(maxsize=4)

@@ -17,8 +17,8 @@ __all__ = [
 
 MAX_DIAGNOSTICS = 200
 
-# Deeper trees would cost whoever walks one its Python stack; real programs stay below 30.
-MAX_NESTING = 100
+# A level costs up to seven frames of the Python stack; real programs stay below 30 levels.
+MAX_NESTING = 64
 
 _IDENTIFIER_CHARS = 32
 

@@ -111,7 +111,7 @@ def test_valid_programs_have_no_errors(text: str) -> None:
         ("n:=rp(1);", "is a PROC and has no value"),
         ("trapped;", "CONNECT it"),
         ("n:=rf;", "call it with ()"),
-        ("GOTO nowhere;", "no label nowhere"),
+        ("GOTO nowhere;", "no label nowhere in main"),
         ("x: x: n:=1;", "stands twice"),
         ("RETRY;", "RETRY stands in an ERROR handler only"),
         ("TRYNEXT;", "TRYNEXT stands in an ERROR handler only"),
@@ -198,6 +198,11 @@ def test_motion_in_a_background_task_is_a_warning() -> None:
 
 
 def test_persistents_have_one_type_in_all_tasks() -> None:
+    same = "MODULE o ALIAS num level; PERS level shared; ENDMODULE"
+    assert (
+        messages("MODULE m PERS num shared; ENDMODULE", others={"T": parse_text(same, "o")[0]})
+        == []
+    )
     theirs = parse_text('MODULE o PERS string shared:=""; TASK PERS num own; ENDMODULE', "o")[0]
     text = "MODULE m PERS num shared; PERS bool own; ENDMODULE"
     (found,) = messages(text, others={"T_2": theirs})
