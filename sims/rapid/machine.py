@@ -62,7 +62,6 @@ class Machine:
         self.fault: RapidError | None = None
         self.interrupts = Interrupts(self._notice, self._queue_is_full)
         self.noticed: Callable[[], None] = lambda: None
-        self._frame: Frame | None = None
         self._weight = 0
         self._is_done = False
         self._is_undoing = False

@@ -245,5 +245,6 @@ def children(node: Any) -> list[Any]:
     return [
         part
         for name in node.__dataclass_fields__
+        if name != "at"
         if isinstance(part := getattr(node, name), tuple) or hasattr(part, "__dataclass_fields__")
     ]
