@@ -51,6 +51,7 @@ def _look(text: str) -> list[Diagnostic]:
 @given(soup)
 @example("MODULE m PROC p() TEST a x; CASE 1: ENDTEST ENDPROC ENDMODULE")
 @example("MODULE m PROC p( ENDPROC ENDMODULE")
+@example("MODULE m PROC p(REF")
 @example("MODULE <ID> PROC <ID>(<PAR>,<PAR>) ENDPROC ENDMODULE")
 @example("MODULE m RECORD r r a; ENDRECORD VAR r x{x}; VAR r y:=[y]; ENDMODULE")
 @example("MODULE m FUNC f f(f f) RETURN f(f\\f?f); ENDFUNC ENDMODULE")
