@@ -187,3 +187,24 @@ def test_a_collision_can_be_ordered_in_a_move(bench):
         assert b.value("errno_seen") == b.value("ERR_MOTIONSUP")
 
     bench(MOVING).run(play)
+
+
+def test_segments_are_cut_to_size_and_a_cancelled_receive_loses_nothing(bench):
+    async def play(b):
+        network = b.network
+        listener = await network.listen("192.168.125.1", 4000)
+        client = await network._inner.connect("192.168.125.1", 4000)
+        stream = await listener.accept()
+        network.cut_bytes = 2
+        await client.send(b"abcde")
+        assert [await stream.receive(100) for _ in range(3)] == [b"ab", b"cd", b"e"]
+        waiting = asyncio.ensure_future(stream.receive(100))
+        await asyncio.sleep(0.01)
+        waiting.cancel()
+        await client.send(b"xy")
+        assert await stream.receive(1) == b"x"
+        assert stream.pending() == 1
+        stream.close()
+        listener.close()
+
+    on_faulty(bench).run(play)

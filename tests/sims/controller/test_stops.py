@@ -318,3 +318,47 @@ def test_the_same_run_twice_leaves_the_same_bits(bench):
         return bench(LINE).run(play)
 
     assert once() == once()
+
+
+def test_the_moving_task_does_not_take_back_another_tasks_stop(bench):
+    async def play(b):
+        await half_way(b)
+        b.controller.system.find("T_BACK", "wish").set(1)
+        await stands(b)
+        b.controller.system.find("T_ROB1", "demanded").set(1)
+        await b.until(lambda: b.value("phase") >= 3)
+        await asyncio.sleep(0.3)
+        assert b.speed == 0
+        b.controller.system.find("T_BACK", "wish").set(2)
+        await b.ended()
+        assert b.value("phase") == 99
+
+    bench(TRAP, WATCHER).run(play)
+
+
+UNHEARD = """
+  PROC main()
+    MoveAbsJ HOME, v1000, fine, tTool;
+    p0 := CRobT(\\Tool:=tTool \\WObj:=wobj0);
+    phase := 1;
+    MoveL Offs(p0, 0, 300, 0), v500, z10, tTool;
+    WaitTime 2;
+    phase := 2;
+    MoveL p0, v500, z10, tTool;
+    phase := 3;
+    EXIT;
+  ERROR
+    errno_seen := ERRNO;
+    TRYNEXT;
+  ENDPROC
+"""
+
+
+def test_a_collision_that_no_move_was_waiting_for_is_raised_by_the_next_one(bench):
+    async def play(b):
+        await half_way(b)
+        b.controller.collide()
+        await b.until(lambda: b.value("phase") == 3)
+        assert b.value("errno_seen") == b.value("ERR_MOTIONSUP")
+
+    bench(UNHEARD).run(play)
