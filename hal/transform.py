@@ -5,7 +5,7 @@ and a product whose neighbours differ is refused.
 """
 
 from dataclasses import dataclass
-from math import inf, isfinite
+from math import inf, isfinite, sqrt
 from typing import Self
 
 import numpy as np
@@ -84,14 +84,28 @@ class Transform:
         cls, parent: str, child: str, quaternion_wxyz: ArrayLike, translation_m: ArrayLike
     ) -> Self:
         """From a unit quaternion (w, x, y, z), normalised here, and a translation in metres."""
-        quaternion = np.asarray(quaternion_wxyz, float)
-        w, x, y, z = (quaternion / np.linalg.norm(quaternion)).tolist()
-        rotation = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        w, x, y, z = np.asarray(quaternion_wxyz, float).tolist()
+        size = sqrt(w * w + x * x + y * y + z * z)
+        place = np.asarray(translation_m, float).tolist()
+        if not (0 < size < inf and all(map(isfinite, place))):
+            raise ValueError(f"T_{parent}_{child}: not finite, or no rotation")
+        w, x, y, z = w / size, x / size, y / size, z / size
+        rows = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), place[0]],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), place[1]],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), place[2]],
+            [0.0, 0.0, 0.0, 1.0],
         ]
-        return cls.from_parts(parent, child, rotation, translation_m)
+        return cls._rigid(parent, child, np.array(rows))
+
+    @classmethod
+    def _rigid(cls, parent: str, child: str, matrix: NDArray[np.float64]) -> Self:
+        """Of a matrix that was made rigid, and that nobody else holds: not looked at again."""
+        self = object.__new__(cls)
+        matrix.setflags(write=False)
+        for name, value in (("parent", parent), ("child", child), ("matrix", matrix)):
+            object.__setattr__(self, name, value)
+        return self
 
     @property
     def rotation(self) -> NDArray[np.float64]:

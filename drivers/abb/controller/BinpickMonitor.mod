@@ -101,7 +101,7 @@ MODULE BinpickMonitor
         WHILE TRUE DO
             kind := -1;
             wrong := 0;
-            wrong := BpReceive(bpMonitorClient, bpMonitorData, kind, seq, 0.01);
+            wrong := BpReceive(bpMonitorClient, bpMonitorData, kind, seq, BpPatience());
             BpReadClock;
             IF wrong <> 0 THEN
                 BpRefuse bpMonitorClient, bpMonitorData, seq, wrong, 0;
@@ -124,6 +124,16 @@ MODULE BinpickMonitor
     ERROR
         IF ERRNO = ERR_SOCK_TIMEOUT AND kind < 0 TRYNEXT;
         RETURN BP_CLIENT_GONE;
+    ENDFUNC
+
+    ! How long to listen before looking around again: not past the next state (s).
+    FUNC num BpPatience()
+        VAR num time;
+
+        time := bpStateDue - bpNow;
+        IF time > 0.01 RETURN 0.01;
+        IF time < 0.001 RETURN 0.001;
+        RETURN time;
     ENDFUNC
 
     FUNC bool BpGreetMonitor(num kind, num seq)
