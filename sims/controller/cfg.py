@@ -18,7 +18,7 @@ __all__ = ["DOMAINS", "Cfg", "Instance", "Value", "lookup", "parse_cfg", "read_c
 
 DOMAINS = ("SYS", "EIO", "MOC", "SIO", "MMC", "PROC")
 
-MAX_CHARS = 32_000_000
+MAX_CHARS = 8_000_000
 MAX_DIAGNOSTICS = 200
 
 _HEAD = re.compile(r"\s*(\w+):CFG_[\w.]+:")
@@ -110,7 +110,8 @@ def read_cfg(path: Path | str) -> tuple[Cfg, list[Diagnostic]]:
     """Parse a file; one that cannot be read, or is binary, is one diagnostic."""
     source = str(path)
     try:
-        text = decode(Path(path).read_bytes())
+        with Path(path).open("rb") as file:
+            text = decode(file.read(MAX_CHARS + 1))
     except OSError as error:
         return _nothing(source, f"cannot be read: {error.strerror}")
     if text is None:

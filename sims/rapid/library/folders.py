@@ -99,6 +99,26 @@ def file_size(task: TaskContext, *, path: str) -> float:
         raise RapidError("ERR_FILEACC", f"{path}: {error.strerror}") from None
 
 
+@builtin(
+    "FUNC num FileTime(string Path \\switch ModifyTime | switch AccessTime | switch StatCTime)"
+)
+def file_time(
+    task: TaskContext,
+    *,
+    path: str,
+    modifytime: bool = False,
+    accesstime: bool = False,
+    statctime: bool = False,
+) -> float:
+    """Seconds since 1970 of the last change, or of what is asked for. ERR_FILEACC: no such file."""
+    del modifytime
+    try:
+        status = locate(task.host, path).stat()
+    except OSError as error:
+        raise RapidError("ERR_FILEACC", f"{path}: {error.strerror}") from None
+    return status.st_atime if accesstime else status.st_ctime if statctime else status.st_mtime
+
+
 @builtin("PROC OpenDir(VAR dir Dev, string Path)")
 def open_dir(task: TaskContext, *, dev: Ref, path: str) -> None:
     """List a folder for ReadDir."""

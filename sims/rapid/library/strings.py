@@ -148,3 +148,26 @@ def _digits(text: str) -> int:
     if not (text.isascii() and text.isdigit() and int(text) < 2**32):
         raise RapidError("ERR_INT_NOTVAL", f"{text!r} is not a whole number of 0 to 4294967295")
     return int(text)
+
+
+@builtin("FUNC stringdig StrDigCalc(stringdig StrDig1, opcalc Operation, stringdig StrDig2)")
+def str_dig_calc(task: TaskContext, *, strdig1: str, operation: float, strdig2: str) -> str:
+    """Calculate with whole numbers in strings; the result is of 0 to 4294967295 too.
+
+    ``OpAdd OpSub OpMult OpDiv OpMod``. ERR_CALC_OVERFLOW, ERR_CALC_NEG, ERR_CALC_DIVZERO.
+    """
+    del task
+    left, right = (_digits(text) for text in (strdig1, strdig2))
+    if operation not in range(1, 6):
+        raise RapidError(
+            "ERR_ARGVALERR", f"StrDigCalc: operation {operation:g}; use OpAdd to OpMod"
+        )
+    if operation > 3 and right == 0:
+        raise RapidError("ERR_CALC_DIVZERO", "StrDigCalc: division by zero")
+    whole, remainder = divmod(left, right or 1)
+    result = (left + right, left - right, left * right, whole, remainder)[int(operation) - 1]
+    if result < 0:
+        raise RapidError("ERR_CALC_NEG", f"StrDigCalc: {left} - {right} is below 0")
+    if result >= 2**32:
+        raise RapidError("ERR_CALC_OVERFLOW", f"StrDigCalc: {result} is over 4294967295")
+    return str(result)

@@ -44,7 +44,8 @@ def parse_file(path: Path | str) -> tuple[list[Module], list[Diagnostic]]:
     """
     source = str(path)
     try:
-        data = Path(path).read_bytes()
+        with Path(path).open("rb") as file:
+            data = file.read(MAX_CHARS + 1)
     except OSError as error:
         return [], [Diagnostic(Place(source, 1, 1), f"cannot be read: {error.strerror}")]
     text = decode(data)

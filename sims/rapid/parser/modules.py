@@ -14,7 +14,7 @@ from sims.rapid.parser.declarations import DECLARATION_STARTS, declaration
 __all__ = ["MAX_CHARS", "modules_of"]
 
 # The largest modules seen hold 2 MB of taught targets.
-MAX_CHARS = 32_000_000
+MAX_CHARS = 8_000_000
 
 _ATTRIBUTES = ("SYSMODULE", "NOSTEPIN", "NOVIEW", "VIEWONLY", "READONLY")
 _MODULE_ENDS = frozenset({"ENDMODULE", "MODULE", "end"})

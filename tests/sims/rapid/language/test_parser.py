@@ -343,3 +343,12 @@ def test_heads_of_built_ins_know_references() -> None:
 def test_half_an_expression_is_refused(text: str) -> None:
     with pytest.raises(RapidLoadError):
         parse_expression(text)
+
+
+def test_an_endless_file_is_read_to_its_limit_and_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sims.rapid.parser.MAX_CHARS", 1000)
+    monkeypatch.setattr("sims.rapid.parser.modules.MAX_CHARS", 1000)
+    modules, wrong = parse_text("MODULE m\n" + "! x\n" * 500 + "ENDMODULE", "x")
+    assert "more than 1000 characters" in wrong[0].message
+    assert len(parse_file("/dev/zero")[1]) == 1
+    assert modules

@@ -147,6 +147,7 @@ def test_folders_are_listed_and_files_copied_renamed_removed(tmp_path: Path) -> 
             b{2} := IsFile("HOME:/sub"\\Directory);
             b{3} := IsFile("HOME:/sub"\\RegFile);
             n := FileSize("HOME:/c.txt");
+            IF FileTime("HOME:/c.txt"\\ModifyTime) < 1000000000 n := -1;
             RemoveFile "HOME:/a.txt";
             OpenDir d, "HOME:";
             WHILE ReadDir(d, name) DO
