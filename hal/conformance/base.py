@@ -29,11 +29,12 @@ class Bench:
 class Conformance(ABC):
     """The promises of ``hal.Device``; each interface has a subclass with its own.
 
-    ``backend`` is the registered name. ``lacks`` maps a promise or an ability of the stage to
-    the reason why it is not there.
+    ``backend`` is the registered name, ``wire`` tells apart ways to reach it. ``lacks`` maps a
+    promise or an ability of the stage to the reason why it is not there.
     """
 
     backend: ClassVar[str] = ""
+    wire: ClassVar[str] = ""
     interface: ClassVar[str] = "device"
     lacks: ClassVar[Mapping[str, str]] = {}
 

@@ -62,7 +62,8 @@ def pytest_runtest_makereport(
     if call.when == "call" or report.outcome != "passed":
         promise = getattr(item, "originalname", item.name).removeprefix("test_").replace("_", " ")
         why = str(report.longrepr).rpartition(DECLARED)[2].rstrip("')") if report.skipped else ""
-        result = (suite.interface, promise, suite.backend, report.outcome, why)
+        column = f"{suite.backend} {suite.wire}".strip()
+        result = (suite.interface, promise, column, report.outcome, why)
         report.user_properties.append(("conformance", result))
 
 
