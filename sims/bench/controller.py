@@ -22,7 +22,7 @@ SPEEDS_MMPS = (100, 500, 1000, 1500)
 ZONES_MM = (1, 10, 50)
 STOP_SPEEDS_MMPS = (100, 250, 500, 1000, 1500)
 TOOL_M = 0.16
-WAY_MM = 400
+WAY_MM = 700
 LONGEST_S = 60.0
 
 PROGRAM = """
@@ -30,7 +30,7 @@ MODULE Bench
   PERS tooldata tBench := [TRUE, [[0, 0, 160], [1, 0, 0, 0]],
     [1, [0, 0, 50], [1, 0, 0, 0], 0, 0, 0]];
   CONST extjoint NONE := [9E9, 9E9, 9E9, 9E9, 9E9, 9E9];
-  CONST robtarget START := [[450, -200, 500], [0, 0, 1, 0], [0, 0, 0, 0], NONE];
+  CONST robtarget START := [[450, -350, 500], [0, 0, 1, 0], [0, 0, 0, 0], NONE];
   PERS num phase := 0;
   PROC main()
     ConfJ \\Off;
@@ -43,7 +43,7 @@ MODULE Bench
   ENDPROC
 ENDMODULE
 """
-START_M = np.array([0.450, -0.200, 0.500])
+START_M = np.array([0.450, -0.350, 0.500])
 
 
 def run(*, seeds: Sequence[int] = (0,)) -> list[Figure]:
