@@ -246,6 +246,27 @@ def test_calls_in_expressions_keep_the_order_of_the_source():
     assert result(program) == "ab211cd4eg?www"
 
 
+def test_arguments_and_items_before_a_call_keep_the_value_they_had():
+    program = """
+        VAR num count := 1;
+        VAR pos at;
+        VAR string result;
+        FUNC num next()
+            count := count + 1;
+            RETURN count;
+        ENDFUNC
+        PROC note(num a, num b, num c)
+            result := result + ValToStr(a) + ValToStr(b) + ValToStr(c);
+        ENDPROC
+        PROC main()
+            at := [count, next(), count];
+            note count, next(), count;
+            result := result + ValToStr(at);
+        ENDPROC
+    """
+    assert result(program) == "233[1,2,2]"
+
+
 def test_for_counts_up_down_and_by_steps():
     program = """
         VAR string result;
