@@ -65,6 +65,8 @@ class RapidSystem:
     def load(self) -> list[Diagnostic]:
         """Link all tasks and set their pointers to main; return the warnings.
 
+        Tasks of a load before have to be closed.
+
         Raises
         ------
         RapidLoadError
@@ -72,6 +74,7 @@ class RapidSystem:
         """
         self.shared.clear()
         self.tasks.clear()
+        self._common.clear()
         warnings: list[Diagnostic] = []
         errors: list[Diagnostic] = []
         for plan in self._plans:
