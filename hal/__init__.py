@@ -1,5 +1,6 @@
 """What a camera, a robot, a gripper and an I/O block are: interfaces, values, errors."""
 
+from hal.arc import Arc
 from hal.calibration import CameraIntrinsics, Region, StereoCalibration
 from hal.camera import Projector, StereoCamera, StereoCapture, StereoShot
 from hal.compute import compute
@@ -22,6 +23,7 @@ from hal.layout import Bin, Fingers, Layout, Tray
 from hal.motion import Motion
 from hal.registry import Address, Backend, Kind, Registry, Scheme
 from hal.robot import (
+    CircularTarget,
     JointTarget,
     LinearTarget,
     Load,
@@ -37,9 +39,11 @@ from hal.vacuum import VacuumState, VacuumTool
 
 __all__ = [
     "Address",
+    "Arc",
     "Backend",
     "Bin",
     "CameraIntrinsics",
+    "CircularTarget",
     "Device",
     "DigitalIo",
     "Direction",

@@ -13,6 +13,7 @@ from hal.motion import Motion
 from hal.transform import Transform
 
 __all__ = [
+    "CircularTarget",
     "JointTarget",
     "LinearTarget",
     "Load",
@@ -113,12 +114,31 @@ class LinearTarget:
         _check_zone(self.zone_m)
 
 
+@dataclass(frozen=True)
+class CircularTarget:
+    """Move the tool centre point on the arc through where it is and ``T_base_via``.
+
+    The tool turns evenly from its start to ``T_base_tcp``; the rotation at the via point does
+    not matter.
+    """
+
+    T_base_via: Transform
+    T_base_tcp: Transform
+    speed_mps: float = 0.25
+    zone_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 < self.speed_mps < np.inf:
+            raise ValueError(f"speed must be positive, got {self.speed_mps:g} m/s")
+        _check_zone(self.zone_m)
+
+
 def _check_zone(zone_m: float) -> None:
     if not 0 <= zone_m < np.inf:
         raise ValueError(f"zone must be >= 0, got {zone_m:g} m")
 
 
-Target = JointTarget | LinearTarget
+Target = JointTarget | LinearTarget | CircularTarget
 
 
 @dataclass(frozen=True)
@@ -160,11 +180,12 @@ class Robot(Device):
         Raises
         ------
         ValueError
-            No targets, joints outside the limits, speed above the arm's.
+            No targets, joints outside the limits, speed above the arm's, other frames.
         RejectedError
             Busy, motors off, not in auto.
         UnreachableError
-            A linear target, or a point on the line to it, is out of reach.
+            A linear or circular target, or a point on the way to it, is out of reach; or no
+            circle goes through the three points.
         SafetyError
             A protective or emergency stop is active, or came during the motion.
         """

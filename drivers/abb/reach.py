@@ -1,7 +1,7 @@
 """A look at the way before anything is sent: joints at each target, and where a line ends."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from drivers.arms import ArmModel, Kinematics
 from hal import (
+    Arc,
+    CircularTarget,
     JointTarget,
     LinearTarget,
     Target,
@@ -57,9 +59,11 @@ class Reach:
             reached.append(at)
         return reached
 
-    def _along(self, start_rad: Joints, target: LinearTarget, number: int) -> Joints:
+    def _along(
+        self, start_rad: Joints, target: LinearTarget | CircularTarget, number: int
+    ) -> Joints:
         T_start = self.kinematics.forward(start_rad) @ self.T_tcp_flange.inverse().matrix
-        poses = line(T_start, target.T_base_tcp.matrix)
+        poses = _way(T_start, target, number)
         solutions = self.kinematics.inverse_all(poses @ self.T_tcp_flange.matrix).joints_rad
         at = start_rad
         for k in range(1, len(poses)):
@@ -80,15 +84,36 @@ class Reach:
         return at
 
 
-def line(T_start: NDArray[np.float64], T_goal: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Poses from start to goal, shape (n, 4, 4), evenly moved and turned."""
-    way = T_goal[:3, 3] - T_start[:3, 3]
+def _way(
+    T_start: NDArray[np.float64], target: LinearTarget | CircularTarget, number: int
+) -> NDArray[np.float64]:
+    T_goal = target.T_base_tcp.matrix
+    if isinstance(target, LinearTarget):
+        way_m = T_goal[:3, 3] - T_start[:3, 3]
+        length_m = float(np.linalg.norm(way_m))
+        return even(
+            T_start, T_goal, lambda share: T_start[:3, 3] + share[:, None] * way_m, length_m
+        )
+    try:
+        arc = Arc.through(T_start[:3, 3], target.T_base_via.translation_m, T_goal[:3, 3])
+    except ValueError as error:
+        raise UnreachableError(f"target {number}: {error}") from error
+    return even(T_start, T_goal, arc.at, arc.length_m)
+
+
+def even(
+    T_start: NDArray[np.float64],
+    T_goal: NDArray[np.float64],
+    place: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    length_m: float,
+) -> NDArray[np.float64]:
+    """Poses from start to goal, shape (n, 4, 4), evenly moved along ``place`` and turned."""
     turn = rotvec_from_rotation(T_start[:3, :3].T @ T_goal[:3, :3])
-    length_m, angle_rad = float(np.linalg.norm(way)), float(np.linalg.norm(turn))
+    angle_rad = float(np.linalg.norm(turn))
     steps = max(1, math.ceil(length_m / STEP_M), math.ceil(angle_rad / STEP_RAD))
     share = np.linspace(0.0, 1.0, steps + 1)
     poses = np.tile(np.eye(4), (steps + 1, 1, 1))
-    poses[:, :3, 3] = T_start[:3, 3] + share[:, None] * way
+    poses[:, :3, 3] = place(share)
     poses[:, :3, :3] = [T_start[:3, :3] @ rotation_from_rotvec(turn * u) for u in share]
     return poses
 

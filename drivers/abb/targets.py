@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.abb.messages import AddJoint, AddLinear, Message, Quaternion, Triple
+from drivers.abb.messages import AddCircular, AddJoint, AddLinear, Message, Quaternion, Triple
 from drivers.abb.reach import confdata
 from drivers.arms import ArmModel
-from hal import JointTarget, RobotLimits, Target, Transform
+from hal import CircularTarget, JointTarget, RobotLimits, Target, Transform
 
 __all__ = ["check_target", "pose_numbers", "triple", "wire_targets"]
 
@@ -29,9 +29,12 @@ def check_target(target: Target, limits: RobotLimits) -> None:
         return
     if target.speed_mps > limits.tcp_speed_mps:
         raise ValueError(f"speed {target.speed_mps:g} m/s is above {limits.tcp_speed_mps:g} m/s")
-    frames = (target.T_base_tcp.parent, target.T_base_tcp.child)
-    if frames != ("base", "tcp"):
-        raise ValueError(f"a target relates base and tcp, not {frames[0]} and {frames[1]}")
+    poses = [target.T_base_tcp]
+    if isinstance(target, CircularTarget):
+        poses.append(target.T_base_via)
+    for pose in poses:
+        if (pose.parent, pose.child) != ("base", "tcp"):
+            raise ValueError(f"a target relates base and tcp, not {pose.parent} and {pose.child}")
 
 
 def wire_targets(
@@ -58,9 +61,12 @@ def _wire(
         a, b, c, d, e, f = (float(q) for q in target.joints_rad)
         return AddJoint((a, b, c, d, e, f), target.speed, target.zone_m)
     position_m, quaternion = pose_numbers(T_object_base @ target.T_base_tcp)
-    return AddLinear(
-        position_m, quaternion, confdata(arm, joints_rad), target.speed_mps, target.zone_m
-    )
+    conf = confdata(arm, joints_rad)
+    way = (target.speed_mps, target.zone_m)
+    if isinstance(target, CircularTarget):
+        via = pose_numbers(T_object_base @ target.T_base_via)
+        return AddCircular(*via, position_m, quaternion, conf, *way)
+    return AddLinear(position_m, quaternion, conf, *way)
 
 
 def triple(values: Any) -> Triple:

@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 from hal.conformance.base import Conformance
 from hal.conformance.stage import Stage
 from hal.errors import LinkError, PreemptedError, RejectedError, SafetyError, UnreachableError
-from hal.robot import JointTarget, LinearTarget, Load, OperatingMode, Robot, RobotState, Tool
+from hal.robot import (
+    CircularTarget,
+    JointTarget,
+    LinearTarget,
+    Load,
+    OperatingMode,
+    Robot,
+    RobotState,
+    Tool,
+)
 from hal.transform import Transform
 
 __all__ = ["RobotConformance"]
@@ -99,6 +108,26 @@ class RobotConformance(Conformance):
         speeds = np.linalg.norm(np.diff(places, axis=0), axis=1) / np.diff(stamps)
         assert speeds.max() < 0.2 * 1.05
         assert speeds.max() > 0.2 * 0.8
+
+    async def test_a_circular_move_keeps_to_its_circle(self, robot: Robot) -> None:
+        start = (await robot.state()).T_base_tcp
+        via, goal = shifted(start, (0.0, 0.06, -0.06)), shifted(start, (0.0, 0.12, 0.0))
+        motion = robot.move([CircularTarget(via, goal, speed_mps=0.2)])
+        states = await self.watch(robot, motion)
+        end = await motion
+        assert end.T_base_tcp.matrix == pytest.approx(goal.matrix, abs=2 * self.path_tolerance_m)
+        places = np.array([state.T_base_tcp.translation_m for state in states])
+        centre = start.translation_m + (0.0, 0.06, 0.0)
+        radii = np.linalg.norm(places - centre, axis=1)
+        assert np.abs(radii - 0.06).max() < self.path_tolerance_m
+        assert (places[:, 2] < centre[2] + self.path_tolerance_m).all()
+        assert places[:, 2].min() < via.translation_m[2] + 0.01
+
+    async def test_three_points_on_a_line_are_no_circle(self, robot: Robot) -> None:
+        start = (await robot.state()).T_base_tcp
+        via, goal = shifted(start, (0.0, 0.05, 0.0)), shifted(start, (0.0, 0.1, 0.0))
+        with pytest.raises(UnreachableError):
+            await robot.move([CircularTarget(via, goal)])
 
     async def test_a_linear_move_may_turn_the_tool(self, robot: Robot) -> None:
         start = (await robot.state()).T_base_tcp

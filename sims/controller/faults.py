@@ -88,10 +88,6 @@ class _FaultyStream:
         network = self._network
         if not self._held:
             await self._fetch()
-        if network.merge_s > 0:
-            await asyncio.sleep(network.merge_s)
-            while self._inner.pending() and len(self._held) < MOST_HELD:
-                await self._fetch()
         if self._is_dropped:
             raise ConnectionResetError("the connection was lost")
         size = min(most, network.cut_bytes) if network.cut_bytes > 0 else most
@@ -116,10 +112,15 @@ class _FaultyStream:
                 self._ends.set()
 
     async def _arrival(self) -> bytes:
-        """The next piece, as late as it is."""
+        """The next piece, as late as it is, with what comes meanwhile."""
+        network = self._network
         data = await self._inner.receive(MOST_HELD)
-        if self._network.delay_s > 0:
-            await asyncio.sleep(self._network.delay_s)
+        if network.delay_s > 0:
+            await asyncio.sleep(network.delay_s)
+        if network.merge_s > 0:
+            await asyncio.sleep(network.merge_s)
+            while self._inner.pending() and len(data) < MOST_HELD:
+                data += await self._inner.receive(MOST_HELD)
         return data
 
     async def send(self, data: bytes) -> None:

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 from drivers.arms import Kinematics
 from hal import (
+    CircularTarget,
     Identity,
     JointTarget,
-    LinearTarget,
     Load,
     Motion,
     OperatingMode,
@@ -93,14 +93,19 @@ class DirectRobot(Robot):
     def _check_target(self, target: Target) -> None:
         if isinstance(target, JointTarget):
             self.limits.check_joints(target.joints_rad)
-        elif isinstance(target, LinearTarget):
-            if target.speed_mps > self.limits.tcp_speed_mps:
+            return
+        if target.speed_mps > self.limits.tcp_speed_mps:
+            raise ValueError(
+                f"speed {target.speed_mps:g} m/s is above {self.limits.tcp_speed_mps:g} m/s"
+            )
+        poses = [target.T_base_tcp]
+        if isinstance(target, CircularTarget):
+            poses.append(target.T_base_via)
+        for pose in poses:
+            if (pose.parent, pose.child) != ("base", "tcp"):
                 raise ValueError(
-                    f"speed {target.speed_mps:g} m/s is above {self.limits.tcp_speed_mps:g} m/s"
+                    f"a target relates base and tcp, not {pose.parent} and {pose.child}"
                 )
-            frames = (target.T_base_tcp.parent, target.T_base_tcp.child)
-            if frames != ("base", "tcp"):
-                raise ValueError(f"a target relates base and tcp, not {frames[0]} and {frames[1]}")
 
     def _check_load(self, load: Load) -> None:
         if load.mass_kg > self.limits.payload_kg:

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.arms import Kinematics
-from hal import JointTarget, Target, Tool
-from sims.motion.segments import Segment, joint_segment, linear_segment
+from hal import JointTarget, LinearTarget, Target, Tool
+from sims.motion.segments import Segment, circular_segment, joint_segment, linear_segment
 
 __all__ = ["Program", "plan_program"]
 
@@ -39,8 +39,10 @@ def plan_program(
     for target in targets:
         if isinstance(target, JointTarget):
             segments.append(joint_segment(kinematics, at, target, tick_s))
-        else:
+        elif isinstance(target, LinearTarget):
             segments.append(linear_segment(kinematics, at, target, tool, tick_s))
+        else:
+            segments.append(circular_segment(kinematics, at, target, tool, tick_s))
         at = segments[-1].joints_rad[-1]
     zones_m = [target.zone_m for target in targets]
     return Program(_blended(kinematics, tool, segments, zones_m), kinematics, tick_s)

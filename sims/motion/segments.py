@@ -1,5 +1,6 @@
 """One move as joint set-points on the tick grid."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,10 +9,18 @@ from ruckig import InputParameter, Result, Ruckig, Trajectory
 from scipy.interpolate import CubicSpline
 
 from drivers.arms import ArmModel, Kinematics
-from hal import JointTarget, LinearTarget, Tool, rotation_from_rotvec, rotvec_from_rotation
+from hal import (
+    Arc,
+    CircularTarget,
+    JointTarget,
+    LinearTarget,
+    Tool,
+    rotation_from_rotvec,
+    rotvec_from_rotation,
+)
 from hal.errors import UnreachableError
 
-__all__ = ["Segment", "joint_segment", "linear_segment"]
+__all__ = ["Segment", "circular_segment", "joint_segment", "linear_segment"]
 
 Joints = NDArray[np.float64]
 
@@ -100,22 +109,60 @@ def linear_segment(
     UnreachableError
         A point on the line is out of reach or beyond the joint ranges, or the branch ends.
     """
-    arm = kinematics.arm
-    T_tcp_flange = tool.T_flange_tcp.inverse().matrix
     T_start = kinematics.forward(start_rad) @ tool.T_flange_tcp.matrix
-    T_goal = target.T_base_tcp.matrix
-    length_m = float(np.linalg.norm(T_goal[:3, 3] - T_start[:3, 3]))
-    turn = rotvec_from_rotation(T_start[:3, :3].T @ T_goal[:3, :3])
+    goal_m = target.T_base_tcp.matrix[:3, 3]
+    way_m = goal_m - T_start[:3, 3]
+    length_m = float(np.linalg.norm(way_m))
+
+    def place(share: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(T_start[:3, 3] + share[:, None] * way_m)
+
+    return _cartesian(kinematics, start_rad, T_start, (place, length_m), target, tool, tick_s)
+
+
+def circular_segment(
+    kinematics: Kinematics, start_rad: Joints, target: CircularTarget, tool: Tool, tick_s: float
+) -> Segment:
+    """The tool centre point runs on an arc and turns evenly; otherwise as ``linear_segment``.
+
+    Raises
+    ------
+    UnreachableError
+        As ``linear_segment``, or no circle goes through the points.
+    """
+    T_start = kinematics.forward(start_rad) @ tool.T_flange_tcp.matrix
+    try:
+        arc = Arc.through(
+            T_start[:3, 3], target.T_base_via.translation_m, target.T_base_tcp.translation_m
+        )
+    except ValueError as error:
+        raise UnreachableError(str(error)) from error
+    way = (arc.at, arc.length_m)
+    return _cartesian(kinematics, start_rad, T_start, way, target, tool, tick_s)
+
+
+def _cartesian(
+    kinematics: Kinematics,
+    start_rad: Joints,
+    T_start: NDArray[np.float64],
+    way: tuple[Callable[[NDArray[np.float64]], NDArray[np.float64]], float],
+    target: LinearTarget | CircularTarget,
+    tool: Tool,
+    tick_s: float,
+) -> Segment:
+    place, length_m = way
+    T_tcp_flange = tool.T_flange_tcp.inverse().matrix
+    turn = rotvec_from_rotation(T_start[:3, :3].T @ target.T_base_tcp.matrix[:3, :3])
     angle_rad = float(np.linalg.norm(turn))
     if length_m < STILL and angle_rad < STILL:
         return Segment(np.array([start_rad, start_rad]), 0)
     steps = int(np.ceil(max(length_m / PATH_STEP_M, angle_rad / PATH_STEP_RAD, 4)))
     share = np.linspace(0.0, 1.0, steps + 1)
     poses = np.tile(np.eye(4), (steps + 1, 1, 1))
-    poses[:, :3, 3] = T_start[:3, 3] + share[:, None] * (T_goal[:3, 3] - T_start[:3, 3])
+    poses[:, :3, 3] = place(share)
     poses[:, :3, :3] = [T_start[:3, :3] @ rotation_from_rotvec(turn * u) for u in share]
     line = _follow_branch(kinematics, poses @ T_tcp_flange, start_rad, share)
-    return _time_line(arm, line, share, (length_m, angle_rad), target.speed_mps, tick_s)
+    return _time_line(kinematics.arm, line, share, (length_m, angle_rad), target.speed_mps, tick_s)
 
 
 def _follow_branch(

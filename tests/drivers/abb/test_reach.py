@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.abb.reach import Reach, confdata, line
+from drivers.abb.reach import Reach, confdata, even
 from drivers.arms import ARMS, Kinematics
-from hal import JointTarget, LinearTarget, Transform
+from hal import CircularTarget, JointTarget, LinearTarget, Transform
 from hal.errors import UnreachableError
 
 ARM = ARMS["irb1200-5-0.9"]
@@ -60,14 +60,34 @@ def test_out_of_reach_is_refused():
         REACH.follow(HOME, [LinearTarget(shifted(tcp(HOME), (3.0, 0, 0)))])
 
 
-def test_a_line_is_even():
+def test_the_way_is_even():
     start, goal = tcp(HOME).matrix, tcp((0.2, 0.1, 0.0, 0.3, 1.3, 0.4)).matrix
-    poses = line(start, goal)
+    way_m = goal[:3, 3] - start[:3, 3]
+    poses = even(
+        start,
+        goal,
+        lambda share: start[:3, 3] + share[:, None] * way_m,
+        np.linalg.norm(way_m),
+    )
     assert poses[0] == pytest.approx(start)
     assert poses[-1] == pytest.approx(goal, abs=1e-12)
     steps = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)
     assert steps == pytest.approx(steps[0])
     assert steps[0] <= 0.01
+
+
+def test_following_an_arc_ends_at_its_target():
+    here = tcp(HOME)
+    via, goal = shifted(here, (0.0, 0.05, -0.05)), shifted(here, (0.0, 0.10, 0.0))
+    (joints,) = REACH.follow(HOME, [CircularTarget(via, goal)])
+    assert tcp(joints).matrix == pytest.approx(goal.matrix, abs=1e-9)
+
+
+def test_three_points_on_a_line_are_no_circle():
+    here = tcp(HOME)
+    via, goal = shifted(here, (0.0, 0.05, 0.0)), shifted(here, (0.0, 0.10, 0.0))
+    with pytest.raises(UnreachableError, match=r"target 1.*line"):
+        REACH.follow(HOME, [CircularTarget(via, goal)])
 
 
 @pytest.mark.parametrize(
