@@ -44,9 +44,9 @@ def _options(
 
 
 def _register() -> None:
-    from cell.cli import bench, capture, conformance, demo, devices, rapid, see, sim
+    from cell.cli import bench, capture, conformance, demo, devices, fuzz, rapid, see, sim
 
-    for module in (demo, see, capture, devices, conformance, bench):
+    for module in (demo, see, capture, devices, conformance, bench, fuzz):
         app.command(module.NAME)(module.command)
     app.add_typer(rapid.app)
     app.add_typer(sim.app)

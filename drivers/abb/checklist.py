@@ -25,7 +25,7 @@ SENTENCES: dict[Code, str] = {
     Code.BAD_ARGUMENT: "a value is out of range",
     Code.OUT_OF_REACH: "the target is out of reach",
     Code.JOINT_LIMIT: "the target is beyond a joint's range",
-    Code.SINGULARITY: "the path runs through a singularity",
+    Code.SINGULARITY: "the path cannot be followed: a singularity, or no circle through its points",
     Code.CONFIGURATION: "the target cannot be reached in its configuration",
     Code.COLLISION: "motion supervision stopped the arm: it hit something, or its load is wrong",
     Code.OUTSIDE_BOX: "the target is outside the workspace box (BP_BOX_MIN, BP_BOX_MAX)",

@@ -341,6 +341,8 @@ MODULE BinpickMotion
             RETURN BP_OUT_OF_REACH;
         CASE ERR_ROBLIMIT:
             RETURN BP_JOINT_LIMIT;
+        CASE ERR_PATH_STOP:
+            RETURN BP_SINGULARITY;
         CASE ERR_MOTIONSUP:
             RETURN BP_COLLISION;
         DEFAULT:
