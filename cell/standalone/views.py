@@ -146,8 +146,9 @@ def _tasks(state: dict[str, Any]) -> Table:
 
 
 def _place(state: dict[str, Any]) -> Text:
-    joints = "  ".join(f"{math.degrees(q):8.2f}" for q in state["joints_rad"])
-    x, y, z = (v * 1e3 for v in state["tcp_m"])
+    # Adding 0 takes the sign from a zero.
+    joints = "  ".join(f"{round(math.degrees(q), 2) + 0.0:8.2f}" for q in state["joints_rad"])
+    x, y, z = (round(v * 1e3, 2) + 0.0 for v in state["tcp_m"])
     return Text(f"axes {joints} deg\ntool {x:8.2f} {y:8.2f} {z:8.2f} mm")
 
 

@@ -96,7 +96,7 @@ def describe(controller: Controller) -> dict[str, Any]:
         "is_moving": unit.is_driving,
         "moves_ahead": len(unit.moves),
         "tasks": {name: _task(task) for name, task in controller.system.tasks.items()},
-        "signals": {name: signal.value for name, signal in controller.signals.items()},
+        "signals": {signal.name: signal.value for signal in controller.signals.values()},
         "lines": list(controller.pendant.lines)[-50:],
         "question": None if question is None else question.text,
         "log": [
