@@ -14,6 +14,7 @@ from drivers.abb import RapidRobot
 from drivers.abb.session import MONITOR_PORT, Session
 from drivers.transports import TcpConnector
 from hal import Figure
+from sims.bench import abb_stops as stops
 from sims.bench import controller as driving
 from sims.bench import rapid as interpreter
 from sims.bench.abb_wire import round_trips
@@ -37,6 +38,7 @@ def run(*, seeds: Sequence[int], part: Any, count: int) -> list[Figure]:
         *through_rapid(),
         *interpreter.run(),
         *driving.run(seeds=seeds),
+        *stops.run(),
     ]
 
 
