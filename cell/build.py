@@ -22,7 +22,7 @@ from hal import Gripper, Kind, Projector, Robot, StereoCamera, Transform
 from hal.errors import ConfigError, UnreachableError
 from perception.parts import Part
 
-__all__ = ["Devices", "build_line", "make_devices"]
+__all__ = ["Devices", "build_line", "make_devices", "make_rig"]
 
 HOME_HEIGHT_M = 0.25
 HOME_INSIDE_M = 0.02
@@ -43,11 +43,21 @@ class Devices:
 def make_devices(config: CellConfig, opened: Mapping[str, Any]) -> Devices:
     """Make every device of the cell file; see ``cell.devices.make_device``."""
     known = registry()
+    camera, projector = make_rig(config, opened)
     return Devices(
         robot=make_device("robot", Kind.ROBOT, config.robot, known, opened),
         gripper=make_device("gripper", Kind.GRIPPER, config.gripper, known, opened),
-        camera=make_device("camera", Kind.CAMERA, config.camera, known, opened),
-        projector=make_device("projector", Kind.PROJECTOR, config.projector, known, opened),
+        camera=camera,
+        projector=projector,
+    )
+
+
+def make_rig(config: CellConfig, opened: Mapping[str, Any]) -> tuple[StereoCamera, Projector]:
+    """Make what looks, and nothing that moves."""
+    known = registry()
+    return (
+        make_device("camera", Kind.CAMERA, config.camera, known, opened),
+        make_device("projector", Kind.PROJECTOR, config.projector, known, opened),
     )
 
 

@@ -4,7 +4,7 @@ import asyncio
 from pathlib import Path
 from typing import Any
 
-from cell.build import make_devices
+from cell.build import make_rig
 from cell.config import CellConfig
 from cell.demo.controls import Controls
 from cell.demo.twin import Twin
@@ -67,8 +67,8 @@ def snap(
 
 async def _capture(twin: Twin, is_whole: bool) -> StereoCapture:
     config = twin.config.camera
-    devices = make_devices(twin.config, {"sim": twin.world})
-    async with devices.camera as camera, devices.projector as projector:
+    rig_camera, rig_projector = make_rig(twin.config, {"sim": twin.world})
+    async with rig_camera as camera, rig_projector as projector:
         if not is_whole:
             volume = Volume.of_bin(twin.config.layout.bin, margin_m=config.margin_m)
             await camera.set_regions(*regions_for(twin.calibration, volume))
