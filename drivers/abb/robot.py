@@ -20,7 +20,7 @@ from drivers.abb.messages import (
 from drivers.abb.motion import MotionLink
 from drivers.abb.reach import Reach
 from drivers.abb.session import MONITOR_PORT, MOTION_PORT, Session
-from drivers.abb.targets import check_target, pose_numbers, triple, wire_targets
+from drivers.abb.targets import MAX_TARGETS, check_target, pose_numbers, triple, wire_targets
 from drivers.arms import ARMS, Kinematics
 from drivers.transports import Connector
 from hal import (
@@ -118,6 +118,10 @@ class RapidRobot(Robot):
     def move(self, targets: Sequence[Target]) -> Motion[RobotState]:
         if not targets:
             raise ValueError("no targets")
+        if len(targets) > MAX_TARGETS:
+            raise ValueError(
+                f"{len(targets)} targets; the controller queues {MAX_TARGETS} a motion"
+            )
         for target in targets:
             check_target(target, self.limits)
         return Motion(self._move(list(targets)), name=f"{self.name} move")

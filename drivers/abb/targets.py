@@ -11,8 +11,9 @@ from drivers.abb.reach import confdata
 from drivers.arms import ArmModel
 from hal import CircularTarget, JointTarget, RobotLimits, Target, Transform
 
-__all__ = ["check_target", "pose_numbers", "triple", "wire_targets"]
+__all__ = ["MAX_TARGETS", "check_target", "pose_numbers", "triple", "wire_targets"]
 
+# BP_QUEUE of the controller package.
 MAX_TARGETS = 50
 
 
