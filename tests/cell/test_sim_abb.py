@@ -94,7 +94,7 @@ def test_a_foreign_client_talks_to_the_program_over_a_real_socket(tmp_path):
     )
     state = run_abb(options, Ear(act))
     assert answers[:2] == [b"hey", b"over here"]
-    assert answers[2] < 0.5
+    assert answers[2] < 10.0
     assert state["ports"]["1025"] not in (0, 1025)
 
 
