@@ -7,7 +7,9 @@ from pathlib import Path
 from hal.errors import ConfigError
 from sims.controller import instructions
 from sims.controller.backup.folder import is_backup, read_backup
+from sims.controller.backup.sections import signals_of
 from sims.controller.backup.values import Backup
+from sims.controller.cfg import read_cfg
 from sims.rapid import library
 from sims.rapid.ast import Module
 from sims.rapid.builtin import TaskKind
@@ -72,10 +74,35 @@ def inspect(
             raise ConfigError("is not there", source=str(path))
     modules = _parse(dict.fromkeys(loose), searched, found)
     if found.errors == 0:
+        signals = _signals_beside(paths)
         found.diagnostics += check(
-            modules, kind=kind, has_motion=has_motion, signals=None, same_task=False
+            modules, kind=kind, has_motion=has_motion, signals=signals, same_task=False
         )
-    found.diagnostics = list(dict.fromkeys(found.diagnostics))
+    found.diagnostics = _each_once(found.diagnostics)
+    return found
+
+
+def _signals_beside(paths: Sequence[Path]) -> list[str] | None:
+    """Names of signals by the EIO.cfg files in the folders; None where there is none."""
+    names: list[str] = []
+    files = [file for path in paths if path.is_dir() for file in sorted(path.rglob("EIO.cfg"))]
+    for file in files:
+        cfg, _ = read_cfg(file)
+        names += [signal.name for signal in signals_of(cfg, [])]
+    return names or None
+
+
+def _each_once(diagnostics: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """The same warning at many places of a file is one, at the first, with the count."""
+    groups: dict[tuple[str, str, Severity], list[Diagnostic]] = {}
+    for item in dict.fromkeys(diagnostics):
+        groups.setdefault((item.at.source, item.message, item.severity), []).append(item)
+    found: list[Diagnostic] = []
+    for (_, message, severity), items in groups.items():
+        if severity is Severity.ERROR or len(items) == 1:
+            found += items
+        else:
+            found.append(replace(items[0], message=f"{message} ({len(items)} places)"))
     return found
 
 
