@@ -197,3 +197,17 @@ def test_an_interrupted_demo_leaves_nothing_half_written(tmp_path):
     assert process.returncode == 130
     assert "interrupted; nothing half-written" in said
     assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_fuzz_names_its_targets_and_refuses_others(monkeypatch, capsys):
+    assert run(monkeypatch, "fuzz") == 0
+    assert "abb-codec" in capsys.readouterr().out.split()
+    assert run(monkeypatch, "fuzz", "modbus") == 1
+    assert "abb-codec" in capsys.readouterr().err
+
+
+def test_fuzz_reports_as_json(monkeypatch, capsys):
+    assert run(monkeypatch, "fuzz", "abb-codec", "--count", 500, "--json") == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["inputs"] == 500
+    assert report["findings"] == []
