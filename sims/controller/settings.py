@@ -26,7 +26,10 @@ class Speed:
 
 @dataclass
 class MotionSettings:
-    r"""Shares are 1.0 for 100 %. ``wrist_interpolation`` is SingArea ``\Wrist``."""
+    r"""Shares are 1.0 for 100 %. ``wrist_interpolation`` is SingArea ``\Wrist``.
+
+    ``T_object_shown`` is the program displacement: it takes programmed places to the work object.
+    """
 
     checks_conf_linear: bool = True
     checks_conf_joint: bool = True
@@ -37,10 +40,11 @@ class MotionSettings:
     ramp_share: float = 1.0
     path_mps2: float | None = None
     path_brake_mps2: float | None = None
-    circle_mode: str = "PathFrame"
+    circle_mode: str = "pathframe"
     supervises: bool = True
     supervision_share: float = 1.0
     is_soft: bool = field(default=False)
+    T_object_shown: Array = field(default_factory=lambda: np.eye(4))
 
     def pace(self, arm: ArmModel, speed: Speed, leg: Leg) -> Pace:
         """The limits of a move along ``leg``."""

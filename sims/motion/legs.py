@@ -1,10 +1,11 @@
 """Legs planned: straight in joint space, straight and on circles in space."""
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
+from scipy.spatial.transform import Rotation, Slerp
 
 from drivers.arms import Kinematics
 from hal import rotvec_from_rotation
@@ -88,8 +89,12 @@ def circular_leg(
     tool: Array,
     *,
     keeps_wrist: bool = False,
+    turns_through_via: bool = False,
 ) -> Leg:
     """Along the circle through the start, ``via`` and ``goal``; turns evenly from end to end.
+
+    With ``turns_through_via`` the tool has the orientation of ``via`` there, and turns evenly
+    before and after it.
 
     Raises
     ------
@@ -100,17 +105,23 @@ def circular_leg(
     """
     T_start = kinematics.forward(start_rad) @ tool
     centre, across, up, angle = _circle(T_start[:3, 3], via[:3, 3], goal[:3, 3])
-    turn = rotvec_from_rotation(T_start[:3, :3].T @ goal[:3, :3])
+    at, turned = [0.0, 1.0], [T_start[:3, :3], goal[:3, :3]]
+    if turns_through_via:
+        to_via = via[:3, 3] - centre
+        at.insert(1, float(np.arctan2(to_via @ up, to_via @ across)) % (2 * np.pi) / angle)
+        turned.insert(1, via[:3, :3])
+    turns = Slerp(at, Rotation.from_matrix(np.array(turned)))
 
     def pose(share: Array) -> Array:
         poses = np.tile(np.eye(4), (len(share), 1, 1))
         cos, sin = np.cos(angle * share)[:, None], np.sin(angle * share)[:, None]
         poses[:, :3, 3] = centre + cos * across + sin * up
-        poses[:, :3, :3] = T_start[:3, :3] @ _turned(turn, share)
+        poses[:, :3, :3] = turns(share).as_matrix()
         return poses
 
     way_m = angle * float(np.linalg.norm(across))
-    size = (way_m, max(float(np.linalg.norm(turn)), angle))
+    turn = sum(float(np.linalg.norm(rotvec_from_rotation(a.T @ b))) for a, b in pairwise(turned))
+    size = (way_m, max(turn, angle))
     return _cartesian(kinematics, start_rad, pose, size, tool, keeps_wrist)
 
 

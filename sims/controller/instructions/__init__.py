@@ -4,7 +4,17 @@ from importlib import import_module
 
 __all__ = ["register"]
 
-MODULES = ("moves", "positions", "settings", "stopping", "triggered", "triggers", "units")
+MODULES = (
+    "displacement",
+    "moves",
+    "positions",
+    "searches",
+    "settings",
+    "stopping",
+    "triggered",
+    "triggers",
+    "units",
+)
 
 
 def register() -> None:

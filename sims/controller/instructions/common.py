@@ -80,6 +80,21 @@ class Mechanics:
         self.unit.ratio = ratio
         self.unit.release(RATIO)
 
+    def setup(self, tool: Any, wobj: Any) -> "Setup":
+        """A tooldata and a wobjdata (None: tool0, wobj0), with the program displacement.
+
+        Raises
+        ------
+        RapidError
+            As ``Setup.of``.
+        """
+        return self.displaced(Setup.of(tool, wobj))
+
+    def displaced(self, setup: "Setup") -> "Setup":
+        """A setup in whose object programmed places are what the displacement makes of them."""
+        T_base_object = setup.T_base_object @ self.settings.T_object_shown
+        return Setup(setup.T_flange_tcp, np.asarray(T_base_object))
+
 
 class HasMechanics(Protocol):
     """A controller."""

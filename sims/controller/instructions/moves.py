@@ -27,7 +27,7 @@ from sims.motion import Leg, Zone, circular_leg, joint_leg, linear_leg
 from sims.rapid.builtin import Legal, TaskContext
 from sims.rapid.errors import RapidError
 
-__all__ = ["Planner", "circular", "drive", "joint", "linear"]
+__all__ = ["Planner", "circular", "drive", "joint", "linear", "queued"]
 
 Array = NDArray[np.float64]
 Planner = Callable[[Mechanics, Array, Setup], Leg]
@@ -67,6 +67,7 @@ def circular(via: Sequence[Any], target: Sequence[Any]) -> Planner:
 
     def plan(mechanics: Mechanics, start: Array, setup: Setup) -> Leg:
         T_object_tcp = frame_of(target)
+        settings = mechanics.settings
         try:
             leg = circular_leg(
                 mechanics.unit.kinematics,
@@ -74,7 +75,8 @@ def circular(via: Sequence[Any], target: Sequence[Any]) -> Planner:
                 setup.tcp_in_base(frame_of(via)),
                 setup.tcp_in_base(T_object_tcp),
                 setup.T_flange_tcp,
-                keeps_wrist=mechanics.settings.wrist_interpolation,
+                keeps_wrist=settings.wrist_interpolation,
+                turns_through_via=settings.circle_mode == "cirpointori",
             )
         except UnreachableError as error:
             raise refusal(mechanics, setup.flange_in_base(T_object_tcp), error) from error
@@ -145,6 +147,8 @@ def _speed(given: dict[str, Any]) -> Speed:
 
 
 def _zone(given: dict[str, Any]) -> Zone | None:
+    if "zone" not in given:
+        return None
     is_fine, pzone_tcp, _, _, zone_ori, *_ = given["zone"]
     if is_fine or given.get("inpos") is not None:
         return None
@@ -158,7 +162,22 @@ async def drive(
     given: dict[str, Any],
     happenings: Sequence[Happening] = (),
 ) -> None:
-    """Plan and queue a move; wait until the program may go on.
+    """Plan and queue a move; wait until the program may go on. Raises as ``queued``."""
+    unit = mechanics_of(task).unit
+    move = await queued(task, planner, given, happenings)
+    if move.zone is None and not given.get("conc"):
+        await unit.ended(move)
+    else:
+        await unit.room()
+
+
+async def queued(
+    task: TaskContext,
+    planner: Planner,
+    given: dict[str, Any],
+    happenings: Sequence[Happening] = (),
+) -> Move:
+    """Plan a move and queue it.
 
     Raises
     ------
@@ -174,14 +193,10 @@ async def drive(
     while unit.is_dropping:
         await unit.standing()
     mechanics.active = setup
-    leg = planner(mechanics, unit.planned_end_rad, setup)
+    leg = planner(mechanics, unit.planned_end_rad, mechanics.displaced(setup))
     move = Move(leg, settings.pace(unit.arm, speed, leg), zone, happenings)
     unit.ramp_share = settings.ramp_share
-    unit.add(move, setup.T_flange_tcp)
-    if zone is None and not given.get("conc"):
-        await unit.ended(move)
-    else:
-        await unit.room()
+    return unit.add(move, setup.T_flange_tcp)
 
 
 @instruction(

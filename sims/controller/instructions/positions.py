@@ -26,12 +26,14 @@ __all__: list[str] = []
 
 
 def _setup(task: TaskContext, tool: Ref | None, wobj: Ref | None) -> Setup:
-    active = mechanics_of(task).active
+    mechanics = mechanics_of(task)
+    active = mechanics.active
     given = Setup.of(value_of(tool), value_of(wobj))
-    return Setup(
+    chosen = Setup(
         active.T_flange_tcp if tool is None else given.T_flange_tcp,
         active.T_base_object if wobj is None else given.T_base_object,
     )
+    return mechanics.displaced(chosen)
 
 
 @builtin(
@@ -78,11 +80,12 @@ def calc_rob_t(
     task: TaskContext, *, joint_target: list[Any], tool: Ref, wobj: Ref | None = None
 ) -> list[Any]:
     """Joints to a robtarget."""
-    unit = mechanics_of(task).unit
+    mechanics = mechanics_of(task)
+    unit = mechanics.unit
     joints = from_robax(joint_target[0])
     if not np.isfinite(joints).all():
         raise RapidError("ERR_ARGVALERR", "the joints are not numbers")
-    setup = Setup.of(tool.get(), value_of(wobj))
+    setup = mechanics.setup(tool.get(), value_of(wobj))
     place = setup.tcp_in_object(unit.kinematics.forward(joints))
     return [*pose_of(place), confdata_of(unit.arm, joints), extax_unused()]
 
@@ -108,7 +111,8 @@ def calc_joint_t(
         raise not_supported("CalcJointT \\UseCurWObjPos")
     mechanics = mechanics_of(task)
     near = mechanics.unit.planned_end_rad
-    T_base_flange = Setup.of(tool.get(), value_of(wobj)).flange_in_base(frame_of(rob_target))
+    setup = mechanics.setup(tool.get(), value_of(wobj))
+    T_base_flange = setup.flange_in_base(frame_of(rob_target))
     try:
         joints = joints_for(
             mechanics,

@@ -160,7 +160,7 @@ def set_sys_data(task: TaskContext, *, sourceobject: Ref, objectname: str | None
     Legal.MOTION,
 )
 def cir_path_mode(task: TaskContext, **given: Any) -> None:
-    """How the tool turns on circles; every mode but CirPointOri turns evenly here."""
+    """How the tool turns on circles: through the middle point's orientation with CirPointOri."""
     chosen = next((name for name, is_on in given.items() if is_on), "pathframe")
     mechanics_of(task).settings.circle_mode = chosen
 

@@ -23,8 +23,8 @@ CAUGHT = """
 """
 
 
-def run(bench, *lines, errors="", **changes):
-    made = bench(program(*lines, errors=errors), **changes)
+def run(bench, *lines, errors="", data="", **changes):
+    made = bench(data + program(*lines, errors=errors), **changes)
 
     async def play(b):
         b.record()
