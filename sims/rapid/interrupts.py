@@ -13,6 +13,7 @@ __all__ = ["Interrupt", "Interrupts"]
 
 MAX_QUEUED = 100
 MAX_CONNECTED = 70
+CALLED = 0  # no interrupt has this number
 
 Cancel = Callable[[], None]
 
@@ -111,6 +112,14 @@ class Interrupts:
         self._queue.append((number, data))
         self._tell()
 
+    def call(self, routine: Routine) -> None:
+        """Carry a procedure out as a trap, as soon as one may run; INTNO is 0 in it."""
+        if len(self._queue) >= MAX_QUEUED:
+            self._overflowed(CALLED)
+            return
+        self._queue.append((CALLED, routine))
+        self._tell()
+
     def is_known(self, number: float) -> bool:
         """Whether the number is connected."""
         return int(number) in self._known
@@ -124,6 +133,8 @@ class Interrupts:
         """Begin the trap of the oldest one."""
         number, self.data = self._queue.popleft()
         self.in_trap = True
+        if number == CALLED:
+            return Interrupt(CALLED, self.data)
         return self._known[number]
 
     def end_trap(self) -> None:

@@ -27,7 +27,7 @@ from sims.motion import Leg, Zone, circular_leg, joint_leg, linear_leg
 from sims.rapid.builtin import Legal, TaskContext
 from sims.rapid.errors import RapidError
 
-__all__ = ["Planner", "circular", "drive", "joint", "linear", "queued"]
+__all__ = ["Planner", "absolute", "circular", "drive", "joint", "linear", "queued"]
 
 Array = NDArray[np.float64]
 Planner = Callable[[Mechanics, Array, Setup], Leg]

@@ -1,21 +1,36 @@
-"""TriggIO, TriggEquip, TriggInt: what is to happen on the way of a later move."""
+"""TriggIO, TriggEquip, TriggInt, TriggCheckIO: what is to happen on the way of a later move."""
 
-from collections.abc import Callable
+import operator
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, cast
 
 from sims.controller.frames import MM
-from sims.controller.instructions.common import instruction, not_supported
+from sims.controller.instructions.common import (
+    STOP_MOVE,
+    instruction,
+    mechanics_of,
+    not_supported,
+)
 from sims.controller.queue import Happening
-from sims.rapid.builtin import Legal, Ref, TaskContext, opaque
+from sims.rapid.builtin import Legal, Ref, TaskContext, builtin, opaque
 from sims.rapid.errors import RapidError
-from sims.rapid.host import EventKind, Signal
+from sims.rapid.host import EventKind, Signal, SignalKind
 
-__all__ = ["Trigger", "happening_of", "signal_of", "told"]
+__all__ = ["Trigger", "happening_of", "output_at", "signal_of", "told"]
 
 opaque("triggdata")
 
 LONGEST_EARLY_S = 0.5
+# By the value of the constants LT to GT.
+RELATIONS = {
+    1.0: operator.lt,
+    2.0: operator.le,
+    3.0: operator.eq,
+    4.0: operator.ne,
+    5.0: operator.ge,
+    6.0: operator.gt,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +116,68 @@ def trigg_int(task: TaskContext, **given: Any) -> None:
     del task
     interrupt: Ref = given["interrupt"]
     given["triggdata"].set(_placed(given, lambda where: where.fire(int(interrupt.get())), 0.0))
+
+
+@instruction(
+    "PROC TriggCheckIO(VAR triggdata TriggData, num Distance \\switch Start | \\switch Time, "
+    "REF anytype Signal, opnum Relation, num CheckValue \\dnum CheckDvalue \\switch StopMove, "
+    "VAR intnum Interrupt)",
+    Legal.MOTION,
+)
+def trigg_check_io(task: TaskContext, **given: Any) -> None:
+    r"""At a place compare a signal; an interrupt happens where that is not as it should be.
+
+    With ``\StopMove`` the arm brakes on its path as well.
+    """
+    del task
+    signal, compare = signal_of(given["signal"]), RELATIONS.get(given["relation"])
+    if compare is None or not hasattr(signal, "watch"):
+        raise RapidError("ERR_ARGVALERR", "TriggCheckIO wants a signal and LT to GT")
+    wanted = given["checkvalue"] if given.get("checkdvalue") is None else given["checkdvalue"]
+    interrupt: Ref = given["interrupt"]
+
+    def check(where: TaskContext) -> None:
+        if not compare(signal.value, wanted):
+            if given.get("stopmove"):
+                mechanics_of(where).unit.hold(STOP_MOVE)
+            where.fire(int(interrupt.get()))
+
+    given["triggdata"].set(_placed(given, check, 0.0))
+
+
+def output_at(task: TaskContext, record: Sequence[Any]) -> Trigger:
+    """The trigger of a triggios, triggstrgo or triggiosdnum. ERR_ARGVALERR."""
+    _, distance, is_from_start, lag_s, name, value, _ = record
+    signal = task.host.signals.get(name.lower())
+    if signal is None or signal.kind not in (SignalKind.DO, SignalKind.GO, SignalKind.AO):
+        raise RapidError("ERR_ARGVALERR", f"there is no output {name}")
+    if not distance >= 0 or not abs(lag_s) <= 1.0:
+        raise RapidError("ERR_ARGVALERR", f"{name}: {distance:g} mm, a lag of {lag_s:g} s")
+    if isinstance(value, str) and not value.isdigit():
+        raise RapidError("ERR_ARGVALERR", f"{name}: {value!r} is no number")
+    number = float(value)
+    return Trigger(lambda _: signal.set(number), distance * MM, lag_s, is_from_start)
+
+
+@builtin("FUNC bool TriggDataValid(VAR triggdata TriggData)")
+def trigg_data_valid(task: TaskContext, *, triggdata: Ref) -> bool:
+    """Whether a trigger has been set up."""
+    del task
+    return isinstance(triggdata.get(), Trigger)
+
+
+@builtin("PROC TriggDataReset(VAR triggdata TriggData)")
+def trigg_data_reset(task: TaskContext, *, triggdata: Ref) -> None:
+    """Make it none."""
+    del task
+    triggdata.set(None)
+
+
+@builtin("PROC TriggDataCopy(VAR triggdata FromTriggData, VAR triggdata ToTriggData)")
+def trigg_data_copy(task: TaskContext, *, fromtriggdata: Ref, totriggdata: Ref) -> None:
+    """Set another one up in the same way."""
+    del task
+    totriggdata.set(fromtriggdata.get())
 
 
 def _placed(given: dict[str, Any], act: Callable[[TaskContext], None], lead_s: float) -> Trigger:

@@ -134,12 +134,19 @@ def _named(cursor: Cursor, at: Place) -> Expr:
     given = arguments(cursor, ")")
     cursor.advance()
     _grow(cursor, cursor.height, at)
-    if cursor.kind in (".", "{"):
+    if cursor.kind == "{":
         raise RapidSyntaxError(
             cursor.place,
-            f"the result of {name} has to be stored in data before a part of it can be read",
+            f"the result of {name} has to be stored in data before an element of it can be read",
         )
-    return Call(at, name, given)
+    call = Call(at, name, given)
+    if cursor.kind != ".":
+        return call
+    cursor.warn(
+        cursor.place,
+        f"a controller may refuse to take a component of a call: store the result of {name} first",
+    )
+    return _parts(cursor, call)
 
 
 def _parts(cursor: Cursor, base: Expr) -> Expr:
