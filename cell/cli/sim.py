@@ -54,7 +54,7 @@ def abb(
         typer.Option(help="What to type, in order; also 'wait SECONDS' and quit; repeatable."),
     ] = None,
     duration: Annotated[
-        float | None, typer.Option("--for", metavar="SECONDS", help="End by itself.")
+        float | None, typer.Option("--for", metavar="SECONDS", min=0.0, help="End by itself.")
     ] = None,
     json: JsonOption = None,
 ) -> None:
@@ -105,7 +105,8 @@ def _ports(given: list[str]) -> dict[int, int]:
     found: dict[int, int] = {}
     for text in given:
         program, equals, real = text.partition("=")
-        if not (equals and program.isascii() and program.isdigit() and real.isdigit()):
+        digits = program + real
+        if not (equals and program and real and digits.isascii() and digits.isdigit()):
             raise ConfigError(f"{text!r} is not PORT=PORT, such as 1025=0", key="--port-map")
         if not (0 < int(program) <= LAST_PORT and int(real) <= LAST_PORT):
             raise ConfigError(f"{text!r}: ports go up to {LAST_PORT}", key="--port-map")

@@ -148,10 +148,14 @@ def _quit(typed: "asyncio.Queue[str]") -> None:
 
 
 async def _show(view: View, network: TcpNetwork) -> None:
-    told: dict[int, int] = {}
+    told: dict[int, int | str] = {}
     while True:
+        for port, why in network.refused.items():
+            if told.get(port) != why:
+                told[port] = why
+                view.line(f"the program's port {port} cannot be opened: {why}; see --port-map")
         for port, real in network.chosen.items():
-            if told.get(port) != real:
+            if port not in network.refused and told.get(port) != real:
                 told[port] = real
                 view.line(f"the program's port {port} is {network.bind}:{real}")
         view.refresh()

@@ -4,6 +4,7 @@ import asyncio
 import os
 import pty
 import select
+import socket
 import subprocess
 import sys
 import threading
@@ -128,6 +129,16 @@ def test_without_start_nothing_runs_until_it_is_told_to(tmp_path):
 def test_what_cannot_be_run_is_refused_before_anything_moves(tmp_path, changes, error):
     with pytest.raises(error):
         run_abb(AbbOptions(**{"modules": [module(tmp_path)], "duration_s": 5.0, **changes}), Ear())
+
+
+def test_a_port_that_cannot_be_opened_is_said(tmp_path):
+    ear = Ear()
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        run_abb(AbbOptions(modules=[module(tmp_path)], ports={1025: port}, duration_s=0.5), ear)
+    told = [line for line in ear.lines if "cannot be opened" in line]
+    assert len(told) == 1
+    assert f"127.0.0.1:{port}: Address already in use" in told[0]
 
 
 def test_our_own_package_runs_when_nothing_else_is_named():

@@ -6,6 +6,7 @@ port: both are mapped.
 
 import asyncio
 import errno
+import os
 import socket
 from collections import deque
 from collections.abc import Mapping
@@ -189,12 +190,14 @@ class TcpNetwork:
         stays itself.
     ports
         The program's port to the real one; 0 chooses a free one, which then stays the same and
-        is read from ``chosen``. A port that is not here is bound as it is.
+        is read from ``chosen``. A port that is not here is bound as it is. ``refused`` says why
+        one could not be bound when it was last tried.
     """
 
     def __init__(self, bind: str = "127.0.0.1", ports: Mapping[int, int] | None = None) -> None:
         self.bind = bind
         self.chosen: dict[int, int] = {}
+        self.refused: dict[int, str] = {}
         self._ports = dict(ports or {})
         self._open: dict[int, TcpListener] = {}
 
@@ -205,7 +208,14 @@ class TcpNetwork:
             raise OSError(errno.EADDRINUSE, f"port {port} is already in use")
         listener = TcpListener()
         real = self.chosen.get(port, self._ports.get(port, port))
-        await listener.open(address if address.startswith("127.") else self.bind, real)
+        try:
+            await listener.open(address if address.startswith("127.") else self.bind, real)
+        except OSError as error:
+            number = error.errno or 0
+            why = os.strerror(number) if number in errno.errorcode else error.strerror
+            self.refused[port] = f"{self.bind}:{real}: {why}"
+            raise
+        self.refused.pop(port, None)
         self._open[port] = listener
         self.chosen[port] = listener.port
         return listener
