@@ -67,7 +67,7 @@ def abb(
     Examples: binpick sim abb --module Server.mod --port-map 1025=0, binpick sim abb --backup DIR
     """
     from cell.standalone import AbbOptions, run_abb
-    from cell.standalone.views import PendantView, PlainView
+    from cell.standalone.views import PendantView, PlainView, is_in_front
 
     if backup is not None and module:
         raise ConfigError("give a backup or modules, not both", key="--module")
@@ -84,7 +84,7 @@ def abb(
         duration_s=duration,
     )
     screen = console(json)
-    is_drawn = pendant if pendant is not None else screen.is_terminal and sys.stdin.isatty()
+    is_drawn = pendant if pendant is not None else screen.is_terminal and is_in_front()
     if is_drawn and not sys.stdin.isatty():
         raise ConfigError("there is no terminal to draw it on; use --no-pendant", key="--pendant")
     state = run_abb(options, PendantView(screen) if is_drawn else PlainView(screen))

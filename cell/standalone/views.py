@@ -16,12 +16,20 @@ from rich.text import Text
 from sims.controller import Controller, Entry
 from sims.controller.operator import HELP, describe
 
-__all__ = ["PendantView", "PlainView"]
+__all__ = ["PendantView", "PlainView", "is_in_front"]
 
 SHOWN_LINES = 8
 MOST_TYPED = 200
 BACKSPACES = ("\x7f", "\b")
 KIND_STYLES = {"error": "red", "warning": "yellow", "state": "default"}
+
+
+def is_in_front() -> bool:
+    """Whether the keyboard is ours; a job in the background that reads it would be stopped."""
+    try:
+        return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
+    except (OSError, ValueError):
+        return False
 
 
 class PlainView:
@@ -34,6 +42,8 @@ class PlainView:
     def begin(self, controller: Controller, typed: "asyncio.Queue[str]") -> None:
         """Listen to standard input, where it can be listened to."""
         self._screen.print(f"{controller.unit.arm.model}: controller is on", markup=False)
+        if sys.stdin.isatty() and not is_in_front():
+            return
         try:
             asyncio.get_running_loop().add_reader(sys.stdin.fileno(), self._read, typed)
         except (OSError, ValueError):  # a file or nothing: only --command
