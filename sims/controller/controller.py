@@ -27,7 +27,7 @@ from sims.controller.system_io import SystemInputs, SystemOutputs
 from sims.controller.unit import MechanicalUnit
 from sims.rapid.errors import RapidError
 from sims.rapid.host import EventKind, Network
-from sims.rapid.system import RapidSystem
+from sims.rapid.system import Kept, RapidSystem
 from sims.world import World
 
 __all__ = ["Controller"]
@@ -66,6 +66,7 @@ class Controller:
         self._is_on = False
         self._watch: asyncio.Future[None] | None = None
         self._jobs: set[asyncio.Task[None]] = set()
+        self._kept: Kept = {}
         self._build()
 
     def _build(self) -> None:
@@ -152,6 +153,7 @@ class Controller:
             )
         for warning in self.system.load():
             self.log.write(EventKind.WARNING, 4, 225, "Load warning", [str(warning)])
+        self.system.restore(self._kept)
         self._is_on = True
         self._panel.power_on()
         self._inputs = SystemInputs(self.setup.system_inputs, self.signals, actions_of(self))
@@ -179,9 +181,14 @@ class Controller:
         await asyncio.gather(*others, return_exceptions=True)
 
     async def restart(self) -> None:
-        """Warm start: everything is loaded anew, sockets are closed, nothing runs by itself."""
+        """Warm start: everything is loaded anew, sockets are closed, nothing runs by itself.
+
+        Persistents keep their values.
+        """
+        kept = self.system.persistents()
         await self.power_off()
         self._build()
+        self._kept = kept
         await self.power_on()
 
     async def __aenter__(self) -> Self:
@@ -335,6 +342,8 @@ class Controller:
             self.order(self._execution.stopped(Event.STOP))
 
     def _note_corner(self) -> None:
+        if not self.mechanics.settings.warns_of_corners:
+            return
         self.log.write(
             EventKind.WARNING,
             MOTION,

@@ -43,6 +43,7 @@ class MotionSettings:
     circle_mode: str = "pathframe"
     supervises: bool = True
     supervision_share: float = 1.0
+    warns_of_corners: bool = True
     is_soft: bool = field(default=False)
     T_object_shown: Array = field(default_factory=lambda: np.eye(4))
 

@@ -12,8 +12,43 @@ _FAMILIES = {
         EGMStreamStart EGMStreamStop EGMWaitCond
     """,
     "MultiMove": """
-        SyncMoveOn SyncMoveOff SyncMoveUndo SyncMoveResume SyncMoveSuspend IsSyncMoveOn
+        SyncMoveOn TasksInSync SyncMoveOff SyncMoveUndo IsSyncMoveOn
         MoveExtJSync ArcMoveExtJ SyncMoveGun
+    """,
+    "datagram sockets": """
+        SocketSendTo SocketReceiveFrom
+    """,
+    "speeds and signals along a path": """
+        TriggSpeed TriggRampAO TriggStopProc StepBwdPath PathLengthReset PathLengthStart
+        PathLengthStop PathLengthGet SpeedLimAxis SpeedLimCheckPoint
+    """,
+    "cyclically evaluated conditions": """
+        SetupCyclicBool RemoveCyclicBool RemoveAllCyclicBool IsCyclicBool GetNextCyclicBool
+        GetNumberOfCyclicBool GetMaxNumberOfCyclicBool
+    """,
+    "external axes": """
+        SearchExtJ MaxExtLinearSpeed MaxExtReorientSpeed CalcRotAxFrameZ CalcRotAxisFrame
+        DefAccFrame HollowWristReset
+    """,
+    "lead-through and safety controllers": """
+        SetLeadThrough IsLeadThrough SafetyControllerGetChecksum SafetyControllerGetSWVersion
+        SafetyControllerGetUserChecksum SafetyControllerGetOpModePinCode
+        SafetyControllerSyncRequest IsBrakeCheckActive CyclicBrakeCheck
+    """,
+    "what servo and system measure of themselves": """
+        TestSignDefine TestSignRead TestSignReset SpyStart SpyStop GetTorqueMargin
+        ResetTorqueMargin GetMotorTorque ReadMotor GetAxisDistance ResetAxisDistance
+        GetAxisMoveTime ResetAxisMoveTime GetServiceInfo FricIdInit FricIdEvaluate
+        FricIdSetFricLevels MotionProcessModeSet SoftElbow DitherAct DitherDeact
+        GetModalPayLoadMode MaxRobReorientSpeed GetJointData
+    """,
+    "the operating system of a controller": """
+        WarmStart WriteCfgData SaveCfgData ProgMemFree FSSize RobOS GetUASUserName GetTSPStatus
+        IOBusStart IOBusState IOUnitState PackDNHeader SCWrite SiConnect SiClose SiGetCyclic
+        SiSetCyclic ReadVarArr WriteVarArr PPMovedInManMode ResetPPMoved CheckProgRef
+    """,
+    "raising to and asking about callers": """
+        RaiseToUser ArgName StartMoveRetry
     """,
     "independent axes": """
         IndAMove IndCMove IndDMove IndRMove IndReset IndInpos IndSpeed
@@ -59,19 +94,20 @@ _FAMILIES = {
     "path corrections and sensors": """
         CorrClear CorrCon CorrDiscon CorrRead CorrWrite SenDevice ReadBlock ReadVar WriteBlock
         WriteVar IVarValue SupSyncSensorOn SupSyncSensorOff SyncToSensor DropSensor
-        PrxActivAndStoreRecord PrxActivRecord PrxDbgStoreRecord PrxDeactRecord PrxResetPos
+        PrxActivAndStoreRecord PrxActivRecord PrxDbgStoreRecord PrxDeactRecord PrxGetMaxRecordpos
+        PrxResetPos
         PrxResetRecords PrxSetPosOffset PrxSetRecordSampleTime PrxSetSyncalarm PrxStartRecord
         PrxStopRecord PrxStoreRecord PrxUseFileRecord WaitSensor
     """,
     "path recovery": """
-        PathRecMoveBwd PathRecMoveFwd PathRecStart PathRecStop PathRecValidBwd PathRecValidFwd
+        PathRecValidBwd PathRecValidFwd
     """,
     "contact, search and servo tuning": """
         ContactL CapL CapC CapLATrSetup CapAPTrSetup ForceL TuneServo TuneReset MechUnitLoad
     """,
     "dialogues of FlexPendant pictures": """
-        UIListView UIClientExist UIAlphaEntry UINumEntry UINumTune UIDnumEntry UIDnumTune
-        UIMessageBox UIMsgBox UIMsgWrite UIMsgWriteAbort UIShow
+        UIListView UIClientExist UIAlphaEntry UINumTune UIDnumEntry UIDnumTune
+        UIMsgWrite UIMsgWriteAbort UIShow
     """,
 }
 

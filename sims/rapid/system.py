@@ -1,6 +1,7 @@
 """All tasks of a controller, and the persistents that they share."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,8 +15,11 @@ from sims.rapid.host import Host
 from sims.rapid.machine import Halt
 from sims.rapid.program import Program, SharedData
 from sims.rapid.task import Task
+from sims.rapid.types import Shape, Type
 
-__all__ = ["RapidSystem", "TaskPlan"]
+__all__ = ["Kept", "RapidSystem", "TaskPlan"]
+
+Kept = dict[tuple[str, str, str], tuple[Shape, Any]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +37,8 @@ class TaskPlan:
 class RapidSystem:
     """Tasks over one host. Add them, ``load()``, then operate ``tasks``.
 
-    The program of every task is linked anew at each load; persistents keep their values only
-    from PP to main to PP to main, not over a load.
+    The program of every task is linked anew at each load. Persistents begin with their initial
+    values then, unless ``restore`` brings back what ``persistents`` had.
     """
 
     def __init__(self, host: Host, *, units: Sequence[str] = ("ROB_1",)) -> None:
@@ -117,6 +121,24 @@ class RapidSystem:
         """A persistent that tasks share, by name."""
         return self.shared.get(name.lower())
 
+    def persistents(self) -> Kept:
+        """The values of all persistents of the modules, for ``restore`` after another load."""
+        return {key: (pers.shape, deepcopy(pers.value)) for key, pers in self._persistents()}
+
+    def restore(self, kept: Kept) -> None:
+        """Give persistents of the same name, type and size their values back."""
+        for key, pers in self._persistents():
+            shape, value = kept.get(key, (None, None))
+            if shape is not None and _is_alike(shape, pers.shape):
+                pers.set(value)
+
+    def _persistents(self) -> Iterator[tuple[tuple[str, str, str], Pers]]:
+        for task in self.tasks.values():
+            for module in task.program.modules.values():
+                for name, datum in module.data.items():
+                    if isinstance(datum.cell, Pers) and not module.is_predefined:
+                        yield (task.name, module.name.lower(), name), datum.cell
+
     def _check(self, plan: TaskPlan) -> list[Diagnostic]:
         others = {other.name: other.modules for other in self._plans if other.name != plan.name}
         return check(
@@ -154,3 +176,12 @@ class RapidSystem:
         """A NORMAL task that ends by itself takes the others along."""
         if task.kind is TaskKind.NORMAL and halt is not Halt.EXIT_CYCLE:
             self.stop()
+
+
+def _is_alike(one: Shape, other: Shape) -> bool:
+    """Whether a value of one fits the other: records are compared by their components."""
+    return one.dims == other.dims and _layout(one.type) == _layout(other.type)
+
+
+def _layout(kind: Type) -> Any:
+    return [(name, _layout(inner)) for name, inner in kind.fields] or kind.name

@@ -19,6 +19,7 @@ from sims.motion import CircleError, SingularityError
 from sims.rapid.builtin import Legal, Ref, TaskContext, builtin
 from sims.rapid.errors import RapidError
 from sims.rapid.parser import parse_routine_head
+from sims.rapid.values import copy
 
 __all__ = [
     "STOP_MOVE",
@@ -50,7 +51,8 @@ CIRCLE_NUMBER = 50112
 class Mechanics:
     """The arm of a controller and what programs have set about it.
 
-    ``wide`` are kinematics without joint bounds; ``active`` is the setup of the last move.
+    ``wide`` are kinematics without joint bounds; ``active`` is the setup of the last move, and
+    ``named`` the data it was made of: name and value by ``tooldata``, ``wobjdata``, ``loaddata``.
     """
 
     unit: MechanicalUnit
@@ -61,6 +63,7 @@ class Mechanics:
     operator_share: float = 1.0
     refresh_share: float = 1.0
     set_load: Callable[[Load], None] = lambda _: None
+    named: "dict[str, tuple[str, Any]]" = field(default_factory=dict)
 
     def refresh(self, share: float) -> None:
         """Scale the speed by the program's share; the operator's stays."""
@@ -79,6 +82,13 @@ class Mechanics:
             return
         self.unit.ratio = ratio
         self.unit.release(RATIO)
+
+    def name(self, kind: str, given: Ref | None) -> None:
+        """Note the tool, object or load that is the active one from now on."""
+        if given is None:
+            self.named.pop(kind, None)
+        else:
+            self.named[kind] = (given.name, copy(given.get()))
 
     def setup(self, tool: Any, wobj: Any) -> "Setup":
         """A tooldata and a wobjdata (None: tool0, wobj0), with the program displacement.

@@ -193,6 +193,8 @@ async def queued(
     while unit.is_dropping:
         await unit.standing()
     mechanics.active = setup
+    mechanics.name("tooldata", given["tool"])
+    mechanics.name("wobjdata", given.get("wobj"))
     leg = planner(mechanics, unit.planned_end_rad, mechanics.displaced(setup))
     move = Move(leg, settings.pace(unit.arm, speed, leg), zone, happenings)
     unit.ramp_share = settings.ramp_share

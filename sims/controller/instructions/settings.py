@@ -12,6 +12,7 @@ from sims.rapid.errors import RapidError
 
 __all__: list[str] = []
 
+UNNAMED = {"tooldata": "tool0", "wobjdata": "wobj0", "loaddata": "load0"}
 LEAST_ACC_SHARE = 0.2
 LEAST_RAMP_SHARE = 0.1
 LEAST_PATH_MPS2 = 0.1
@@ -129,6 +130,7 @@ def grip_load(task: TaskContext, *, load: Ref) -> None:
     mechanics = mechanics_of(task)
     tool = mechanics.active.T_flange_tcp
     at = tool[:3, :3] @ (np.array(centre, float) * MM) + tool[:3, 3]
+    mechanics.name("loaddata", load)
     mechanics.set_load(Load(mass_kg, (float(at[0]), float(at[1]), float(at[2]))))
 
 
@@ -141,6 +143,8 @@ def set_sys_data(task: TaskContext, *, sourceobject: Ref, objectname: str | None
     del objectname
     mechanics = mechanics_of(task)
     value, active = value_of(sourceobject), mechanics.active
+    if sourceobject.base in ("tooldata", "wobjdata"):
+        mechanics.name(sourceobject.base, sourceobject)
     match sourceobject.base.lower():
         case "tooldata":
             frame = Setup.of(value, None).T_flange_tcp
@@ -176,3 +180,64 @@ def motion_sup(
     settings = mechanics_of(task).settings
     settings.supervises = not off
     settings.supervision_share = (tunevalue or 100) / 100
+
+
+@builtin("PROC GetSysData(VAR anytype DestObject \\VAR string ObjectName)")
+def get_sys_data(task: TaskContext, *, destobject: Ref, objectname: Ref | None = None) -> None:
+    """Read the active tool, object or load, and its name."""
+    name, value = _active(task, destobject.base)
+    destobject.set(value)
+    if objectname is not None:
+        objectname.set(name)
+
+
+@builtin("FUNC tooldata CTool(\\VAR taskid TaskRef | \\string TaskName)")
+def c_tool(task: TaskContext, *, taskref: Ref | None = None, taskname: str | None = None) -> Any:
+    """The active tool."""
+    del taskref, taskname
+    return _active(task, "tooldata")[1]
+
+
+@builtin("FUNC wobjdata CWObj(\\VAR taskid TaskRef | \\string TaskName)")
+def c_w_obj(task: TaskContext, *, taskref: Ref | None = None, taskname: str | None = None) -> Any:
+    """The active work object."""
+    del taskref, taskname
+    return _active(task, "wobjdata")[1]
+
+
+def _active(task: TaskContext, kind: str) -> tuple[str, Any]:
+    usual = UNNAMED.get(kind)
+    if usual is None:
+        raise RapidError("ERR_ARGVALERR", f"tool, wobj or load can be read, not {kind}")
+    given = mechanics_of(task).named.get(kind)
+    if given is not None:
+        return given
+    data = task.find(usual)
+    assert data is not None
+    return usual, data.get()
+
+
+@builtin("PROC PathResol(num PathSampleTime)", Legal.MOTION)
+def path_resol(task: TaskContext, *, pathsampletime: float) -> None:
+    """How finely the path is sampled (25 to 400 per cent); here always to the tick."""
+    del task
+    if not 25 <= pathsampletime <= 400:
+        raise RapidError("ERR_ARGVALERR", f"PathResol {pathsampletime:g}: 25 to 400")
+
+
+@builtin("PROC CornerPathWarning(bool Active)", Legal.MOTION)
+def corner_path_warning(task: TaskContext, *, active: bool) -> None:
+    """Whether a corner that could not be driven is written into the event log."""
+    mechanics_of(task).settings.warns_of_corners = active
+
+
+@builtin("PROC ActEventBuffer()", Legal.MOTION)
+def act_event_buffer(task: TaskContext) -> None:
+    """Events of signals are not buffered here."""
+    del task
+
+
+@builtin("PROC DeactEventBuffer()", Legal.MOTION)
+def deact_event_buffer(task: TaskContext) -> None:
+    """As it is here always."""
+    del task

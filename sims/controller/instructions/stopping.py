@@ -84,6 +84,12 @@ async def store_path(task: TaskContext, *, keepsync: bool = False) -> None:
     unit.release(STOP_MOVE)
 
 
+@builtin("FUNC num PathLevel()")
+def path_level(task: TaskContext) -> float:
+    """1 on the original path, one more for each that is stored."""
+    return 1.0 + len(mechanics_of(task).unit.stored)
+
+
 @builtin("PROC RestoPath()", Legal.MOTION)
 async def resto_path(task: TaskContext) -> None:
     """Take the stored path up again; StartMove or the program's restart drives it on."""

@@ -46,6 +46,13 @@ def is_mech_unit_active(task: TaskContext, *, mechunit: Ref) -> bool:
     return _name_of(mechunit).upper() in UNITS
 
 
+@builtin("FUNC string GetMecUnitName(VAR mecunit MechUnit)")
+def get_mec_unit_name(task: TaskContext, *, mechunit: Ref) -> str:
+    """The name of a unit."""
+    del task
+    return _name_of(mechunit)
+
+
 @builtin("FUNC string RobName()")
 def rob_name(task: TaskContext) -> str:
     """The robot of this task; the empty string in a task without motion."""

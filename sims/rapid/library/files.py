@@ -9,7 +9,7 @@ from sims.rapid.errors import RapidError
 from sims.rapid.formats import number_text, text_to_value, value_text
 from sims.rapid.library.rawbytes import MAX_RAWBYTES
 
-__all__: list[str] = []
+__all__ = ["device_of"]
 
 _MAX_STRING = 80
 _EOF_TEXT = "EOF"
@@ -19,7 +19,8 @@ _EOF_BIN = -1.0
 opaque("iodev")
 
 
-def _device(iodevice: Ref) -> Device:
+def device_of(iodevice: Ref) -> Device:
+    """The open file behind an iodev. ERR_FILEACC."""
     device = iodevice.get()
     if not isinstance(device, Device) or not device.is_open:
         raise RapidError("ERR_FILEACC", f"{iodevice.name} is not open")
@@ -63,14 +64,14 @@ def close(task: TaskContext, *, iodevice: Ref) -> None:
 def rewind(task: TaskContext, *, iodevice: Ref) -> None:
     """Go to the beginning, to read."""
     del task
-    _device(iodevice).rewind()
+    device_of(iodevice).rewind()
 
 
 @builtin("PROC ClearIOBuff(VAR iodev IODevice)")
 def clear_io_buff(task: TaskContext, *, iodevice: Ref) -> None:
     """Forget what waits; a file has nothing waiting."""
     del task
-    _device(iodevice)
+    device_of(iodevice)
 
 
 @builtin(
@@ -98,7 +99,7 @@ def write_(
             text += value_text(value)
     if dnum is not None:
         text += number_text(dnum, is_dnum=True)
-    _device(iodevice).write((text + ("" if nonewline else "\n")).encode("latin-1", "replace"))
+    device_of(iodevice).write((text + ("" if nonewline else "\n")).encode("latin-1", "replace"))
 
 
 @builtin("PROC WriteBin(VAR iodev IODevice, num Buffer{*}, num NChar)")
@@ -108,14 +109,14 @@ def write_bin(task: TaskContext, *, iodevice: Ref, buffer: list[float], nchar: f
     count = _whole("WriteBin", nchar, len(buffer))
     if any(value not in range(256) for value in buffer[:count]):
         raise RapidError("ERR_ARGVALERR", "WriteBin: the numbers have to be 0 to 255")
-    _device(iodevice).write(bytes(int(value) for value in buffer[:count]))
+    device_of(iodevice).write(bytes(int(value) for value in buffer[:count]))
 
 
 @builtin("PROC WriteStrBin(VAR iodev IODevice, string Str)")
 def write_str_bin(task: TaskContext, *, iodevice: Ref, str_: str) -> None:
     """Write characters and nothing more."""
     del task
-    _device(iodevice).write(str_.encode("latin-1", "replace"))
+    device_of(iodevice).write(str_.encode("latin-1", "replace"))
 
 
 @builtin("PROC WriteRawBytes(VAR iodev IODevice, VAR rawbytes RawData \\num NoOfBytes)")
@@ -126,7 +127,7 @@ def write_raw_bytes(
     del task
     raw = rawdata.get()
     count = len(raw) if noofbytes is None else _whole("WriteRawBytes", noofbytes, len(raw))
-    _device(iodevice).write(bytes(raw[:count]))
+    device_of(iodevice).write(bytes(raw[:count]))
 
 
 @builtin("PROC ReadRawBytes(VAR iodev IODevice, VAR rawbytes RawData \\num NoOfBytes \\num Time)")
@@ -143,7 +144,7 @@ def read_raw_bytes(
     wanted = MAX_RAWBYTES
     if noofbytes is not None:
         wanted = _whole("ReadRawBytes", noofbytes, MAX_RAWBYTES)
-    data = _device(iodevice).read(wanted)
+    data = device_of(iodevice).read(wanted)
     rawdata.get()[:] = data
     if len(data) < wanted and (noofbytes is not None or not data):
         raise RapidError("ERR_RANYBIN_EOF", f"the file ended after {len(data)} of {wanted} bytes")
@@ -153,7 +154,7 @@ def read_raw_bytes(
 def read_bin(task: TaskContext, *, iodevice: Ref, time: float | None = None) -> float:
     """One byte; EOF_BIN at the end."""
     del task, time
-    data = _device(iodevice).read(1)
+    data = device_of(iodevice).read(1)
     return float(data[0]) if data else _EOF_BIN
 
 
@@ -164,7 +165,7 @@ def read_str_bin(
     """Read up to 80 characters; EOF at the end."""
     del task, time
     count = _whole("ReadStrBin", noofchars, _MAX_STRING)
-    data = _device(iodevice).read(count)
+    data = device_of(iodevice).read(count)
     return data.decode("latin-1") if data or not count else _EOF_TEXT
 
 
@@ -183,7 +184,7 @@ def read_str(
 ) -> str:
     """Read a line or up to a delimiter, at most 80 characters; EOF at the end."""
     del task, time
-    line = _line(_device(iodevice), delim or "", discardheaders)
+    line = _line(device_of(iodevice), delim or "", discardheaders)
     if line is None:
         return _EOF_TEXT
     return line.removesuffix("\r") if removecr else line
@@ -195,7 +196,7 @@ def read_num(
 ) -> float:
     """Read a line or up to a delimiter as a number; EOF_NUM at the end. ERR_RCVDATA: it is none."""
     del task, time
-    line = _line(_device(iodevice), delim or "", False)
+    line = _line(device_of(iodevice), delim or "", False)
     if line is None:
         return _EOF_NUM
     value = text_to_value(line.strip(), 0.0)

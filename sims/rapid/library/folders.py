@@ -91,6 +91,7 @@ def is_file(
 
 
 @builtin("FUNC num FileSize(string Path)")
+@builtin("FUNC dnum FileSizeDnum(string Path)")
 def file_size(task: TaskContext, *, path: str) -> float:
     """Size in bytes. ERR_FILEACC: there is no such file."""
     try:
@@ -101,6 +102,9 @@ def file_size(task: TaskContext, *, path: str) -> float:
 
 @builtin(
     "FUNC num FileTime(string Path \\switch ModifyTime | switch AccessTime | switch StatCTime)"
+)
+@builtin(
+    "FUNC dnum FileTimeDnum(string Path \\switch ModifyTime | switch AccessTime | switch StatCTime)"
 )
 def file_time(
     task: TaskContext,

@@ -131,6 +131,7 @@ def erase_module(task: TaskContext, *, modulename: str) -> None:
 
 
 @builtin("FUNC num ModTime(string Object)")
+@builtin("FUNC dnum ModTimeDnum(string Object)")
 def mod_time(task: TaskContext, *, object_: str) -> float:
     """When the file of a module was changed; seconds since it was loaded are not known."""
     if object_.lower() not in task_of(task).program.modules:

@@ -70,6 +70,12 @@ async def tp_read_num(task: TaskContext, **arguments: Any) -> None:
         arguments["tpanswer"].set(float(answer))
 
 
+@builtin(f"PROC TPReadDnum(INOUT dnum TPAnswer, string TPText {_BREAKS})")
+async def tp_read_dnum(task: TaskContext, **arguments: Any) -> None:
+    """Ask for a number with all its digits."""
+    await tp_read_num(task, **arguments)
+
+
 @builtin(
     "PROC UIMsgBox(\\string Header, string MsgLine1 \\string MsgLine2 \\string MsgLine3 "
     "\\string MsgLine4 \\string MsgLine5 \\switch Wrap \\buttondata Buttons \\icondata Icon "

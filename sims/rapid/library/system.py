@@ -21,6 +21,33 @@ def get_sys_info(task: TaskContext, **asked: bool) -> str:
     return task.host.info.get(name, "")[:80]
 
 
+@builtin("FUNC bool IsSysId(string SystemId)")
+def is_sys_id(task: TaskContext, *, systemid: str) -> bool:
+    """Whether this is the controller with that serial number."""
+    return task.host.info.get("serialno", "").lower() == systemid.lower()
+
+
+@builtin("FUNC string Type(REF anytype Data \\switch BaseName)")
+def type_(task: TaskContext, *, data: Ref, basename: bool) -> str:
+    """The type of data as declared, or what an alias stands for."""
+    del task
+    return data.base if basename else data.type
+
+
+@builtin("FUNC bool NonMotionMode(\\switch Main)")
+def non_motion_mode(task: TaskContext, *, main: bool) -> bool:
+    """Programs are never run without motion here."""
+    del task, main
+    return False
+
+
+@builtin("FUNC bool PFRestart(\\switch Base | switch Irrev)")
+def pf_restart(task: TaskContext, *, base: bool, irrev: bool) -> bool:
+    """Whether the power failed on the way: never here."""
+    del task, base, irrev
+    return False
+
+
 @builtin("FUNC symnum OpMode()")
 def op_mode(task: TaskContext) -> float:
     """``OP_AUTO`` and so on."""

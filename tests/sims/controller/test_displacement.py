@@ -117,3 +117,34 @@ def test_mirpos_mirrors_the_place_and_two_axes(bench):
     assert placed(b, "again") == pytest.approx(start, abs=1e-2)
     x = np.array(q.rotated(b.value("p0")[1], [1, 0, 0]))
     assert q.rotated(b.value("m")[1], [1, 0, 0]) == pytest.approx(x * (1, -1, 1), abs=1e-5)
+
+
+def test_the_active_tool_and_object_can_be_read(bench):
+    b = run(
+        bench,
+        "before := CWObj();",
+        "MoveL p0, v500, fine, tTool \\WObj:=table;",
+        "tool := CTool(); after := CWObj(); GetSysData tool \\ObjectName:=name;",
+        "level := PathLevel();",
+        data="VAR tooldata tool; VAR wobjdata before; VAR wobjdata after; VAR string name; "
+        'VAR num level; PERS wobjdata table := [FALSE, TRUE, "",'
+        " [[0, 0, -10], [1, 0, 0, 0]], [[0, 0, 0], [1, 0, 0, 0]]];\n",
+    )
+    assert b.value("tool") == b.value("tTool")
+    assert b.value("before") == b.value("wobj0")
+    assert b.value("after") == b.value("table")
+    assert (b.value("name"), b.value("level")) == ("tTool", 1)
+    assert b.place * 1e3 == pytest.approx(placed(b, "p0") - (0, 0, 10), abs=0.05)
+
+
+def test_persistents_keep_their_values_over_a_warm_start(bench):
+    made = bench("PROC main()\nphase := 7;\nEXIT;\nENDPROC\n")
+
+    async def play(b):
+        await b.start()
+        await b.ended()
+        await b.controller.restart()
+        assert b.value("phase") == 7
+        assert not b.controller.is_running
+
+    made.run(play)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from drivers.arms import ARMS, Kinematics
 from hal.errors import UnreachableError
@@ -267,6 +268,19 @@ def test_a_circle_is_round_and_goes_through_its_points():
     assert np.linalg.norm(places - centre, axis=1) == pytest.approx(0.05, abs=1e-5)
     assert np.linalg.norm(places - via[:3, 3], axis=1).min() < 1e-3
     assert places[-1] == pytest.approx(end[:3, 3], abs=1e-9)
+
+
+def test_a_circle_may_turn_the_tool_through_its_middle_point():
+    via, end = beside((0.05, 0.05, 0)), beside((0, 0.1, 0))
+    via[:3, :3] = via[:3, :3] @ Rotation.from_euler("x", 20, degrees=True).as_matrix()
+    even = circular_leg(KINEMATICS, HOME, via, end, TOOL)
+    through = circular_leg(KINEMATICS, HOME, via, end, TOOL, turns_through_via=True)
+    for leg, angle in ((even, 0.0), (through, np.radians(20))):
+        poses = tcp(leg.joints_rad(leg.knots))
+        nearest = poses[np.linalg.norm(poses[:, :3, 3] - via[:3, 3], axis=1).argmin()]
+        turned = Rotation.from_matrix(end[:3, :3].T @ nearest[:3, :3]).magnitude()
+        assert turned == pytest.approx(angle, abs=0.02)
+        assert poses[-1] == pytest.approx(end, abs=1e-9)
 
 
 @given(st.floats(0.02, 0.12), st.floats(0.2, 6.0), st.floats(0.1, 0.9))
