@@ -30,6 +30,7 @@ class RapidIo(DigitalIo):
         self._connector = connector
         self._port = monitor_port
         self._session: Session | None = None
+        self._opening = asyncio.Lock()
         self._signals: dict[str, Direction] = {}
         self._numbers: dict[str, int] = {}
 
@@ -42,9 +43,12 @@ class RapidIo(DigitalIo):
         return self._session is not None and self._session.is_open
 
     async def open(self) -> None:
-        if self.is_open:
-            return
-        await self.close()
+        async with self._opening:
+            if not self.is_open:
+                await self.close()
+                await self._join()
+
+    async def _join(self) -> None:
         session = await Session.join(self._connector, self.name, self._port)
         names = session.signals
         self._signals = {

@@ -17,6 +17,7 @@ from drivers.abb.messages import (
     Hello,
     Message,
     Outcome,
+    Refused,
     Result,
     Run,
     Welcome,
@@ -38,7 +39,10 @@ class MotionLink:
         self._device = device
         self._port = port
         self._channel: Channel | None = None
+        self._connecting = asyncio.Lock()
         self._runs = 0
+        # From the moment a RUN is sent until its end is known.
+        self.may_be_driving = False
 
     async def close(self) -> None:
         """Let the connection go."""
@@ -54,8 +58,11 @@ class MotionLink:
         LinkError
             The controller does not listen: another client is connected, or no program runs.
         """
-        if self._channel is not None and self._channel.is_open:
-            return
+        async with self._connecting:
+            if self._channel is None or not self._channel.is_open:
+                await self._connect(settings)
+
+    async def _connect(self, settings: Sequence[Message]) -> None:
         session = self._session
         channel = await Channel.connect(
             session.connector,
@@ -92,10 +99,13 @@ class MotionLink:
         channel = self._open_channel()
         exchanges = [await channel.begin(message) for message in targets]
         self._runs = self._runs % MAX_RUN + 1
+        self.may_be_driving = True
         run = await channel.begin(Run(self._runs, len(targets), tick), answers=2)
         try:
             for exchange in (*exchanges, run):
                 answer = await channel.answer(exchange, timeout_s=REPLY_TIMEOUT_S, action="run")
+                if isinstance(answer, Refused):
+                    self.may_be_driving = False
                 expected(answer, Accepted, self._device)
         except BaseException:
             for exchange in (*exchanges, run):
@@ -125,12 +135,15 @@ class MotionLink:
         try:
             await asyncio.wait(waited, return_when=asyncio.FIRST_COMPLETED)
             if end.done():
-                return expected(end.result(), Outcome, self._device)
+                outcome = expected(end.result(), Outcome, self._device)
+                self.may_be_driving = False
+                return outcome
             # It will answer when somebody has started it again: too late for us.
             self.forget(run)
             await trouble
             code = forbidden(self._session.state)
             await self._session.until(is_standing, timeout_s=STAND_TIMEOUT_S)
+            self.may_be_driving = False
             raise refusal(self._device, code)
         finally:
             trouble.cancel()

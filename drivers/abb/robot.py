@@ -12,6 +12,7 @@ from drivers.abb.messages import (
     ControllerState,
     Flag,
     Message,
+    Outcome,
     SetAcceleration,
     SetLoad,
     SetTool,
@@ -75,6 +76,8 @@ class RapidRobot(Robot):
         self._T_base_object = Transform.identity("base", "object")
         self._session: Session | None = None
         self._link: MotionLink | None = None
+        self._opening = asyncio.Lock()
+        self._setting = asyncio.Lock()
         self._is_busy = False
         self._is_stopping = False
 
@@ -87,9 +90,12 @@ class RapidRobot(Robot):
         return self._session is not None and self._session.is_open
 
     async def open(self) -> None:
-        if self.is_open:
-            return
-        await self.close()
+        async with self._opening:
+            if not self.is_open:
+                await self.close()
+                await self._join()
+
+    async def _join(self) -> None:
         session = await Session.join(self._connector, self.name, self._ports[1])
         self._session = session
         self._link = MotionLink(session, self.name, self._ports[0])
@@ -171,25 +177,31 @@ class RapidRobot(Robot):
         self._check_idle("the motion")
         self._is_busy, self._is_stopping = True, False
         try:
-            state = await self._may_move(session)
-            link = await self._ready_link()
-            reach = Reach(self._kinematics, self._tool.T_flange_tcp.inverse())
-            joints = reach.follow(state.joints_rad, targets)
-            messages = wire_targets(
-                targets, joints, self._T_base_object.inverse(), self._kinematics.arm
-            )
-            run = await link.begin(messages, state.tick)
-            try:
-                outcome = await link.end(run)
-            except asyncio.CancelledError:
-                link.forget(run)
-                with contextlib.suppress(CellError):
-                    await session.stop()
-                raise
+            async with self._setting:  # a setting that was ordered before is made before
+                state = await self._may_move(session)
+                link = await self._ready_link()
+            outcome = await self._drive(session, link, targets, state)
             await link.judge(outcome, is_stopping=self._is_stopping)
             return self._told(session, await session.fresh_state())
         finally:
             self._is_busy = False
+
+    async def _drive(
+        self, session: Session, link: MotionLink, targets: list[Target], state: ControllerState
+    ) -> Outcome:
+        """Run the targets to their end. Whatever is raised, the arm is not left moving."""
+        reach = Reach(self._kinematics, self._tool.T_flange_tcp.inverse())
+        joints = reach.follow(state.joints_rad, targets)
+        T_object_base = self._T_base_object.inverse()
+        messages = wire_targets(targets, joints, T_object_base, self._kinematics.arm)
+        try:
+            return await link.end(await link.begin(messages, state.tick))
+        except BaseException:
+            if link.may_be_driving:
+                link.may_be_driving = False
+                with contextlib.suppress(CellError):
+                    await session.stop()
+            raise
 
     async def _may_move(self, session: Session) -> ControllerState:
         """Return the state if motion is allowed; wait until the last stop's path is cleared."""
@@ -242,11 +254,12 @@ class RapidRobot(Robot):
     async def _set(self, message: Message) -> None:
         session = self._linked()
         self._check_idle("a setting")
-        code = forbidden(await session.fresh_state())
-        if code is Code.PROGRAM_STOPPED:
-            raise refusal(self.name, code)
-        link = await self._ready_link()
-        await link.set(message)
+        async with self._setting:
+            code = forbidden(await session.fresh_state())
+            if code is Code.PROGRAM_STOPPED:
+                raise refusal(self.name, code)
+            link = await self._ready_link()
+            await link.set(message)
 
     async def _set_work_object(self, T_base_object: Transform) -> None:
         before, self._T_base_object = self._T_base_object, T_base_object

@@ -191,12 +191,16 @@ class Session:
             self.state = await self.ask(AskState(), ControllerState)
         except DeviceError as error:
             await self._close()
+            where = f"{self.connector.where} port {port}"
+            why = str(error).removeprefix(f"{self.device}: ")
             advice = connection_advice(port, was_refused=False)
             raise LinkError(
-                f"{self.connector.where} port {port} does not answer as binpick's monitor does "
-                f"({str(error).removeprefix(f'{self.device}: ')}); {advice}",
+                f"{where} does not answer as binpick's monitor does ({why}); {advice}",
                 device=self.device,
             ) from error
+        except BaseException:
+            await self._close()
+            raise
         own_s = self.state.turns * TURN_S + self.state.time_s
         self._clock_s = asyncio.get_running_loop().time() - own_s
 

@@ -12,6 +12,11 @@ MODULE BinpickMonitor
     VAR socketdev bpMonitorListener;
     VAR socketdev bpMonitorClient;
     VAR rawbytes bpMonitorData;
+    VAR intnum bpExecutionLost;
+    VAR intnum bpMotorsLost;
+    VAR intnum bpRunchainLost;
+    VAR intnum bpEmergency;
+    VAR intnum bpWatchdogDue;
     VAR bool bpIsHeld := FALSE;
     VAR num bpStopSeq := 0;         ! a stop that waits for its answer; 0: none
 
@@ -34,6 +39,7 @@ MODULE BinpickMonitor
         ClkReset bpClock;
         ClkStart bpClock;
         BpDropMonitor BP_CLIENT_GONE;
+        BpConnect;
         WHILE TRUE DO
             BpAwaitMonitor;
             IF bpHasMonitor THEN
@@ -42,38 +48,83 @@ MODULE BinpickMonitor
         ENDWHILE
     ENDPROC
 
+    ! Interrupts see what would else be seen at the next look around: a stop that is over before,
+    ! or one that comes while a frame is slow to arrive or nobody takes what is sent.
+    PROC BpConnect()
+        IDelete bpExecutionLost;
+        CONNECT bpExecutionLost WITH BpLostTrap;
+        ISignalDO doBpExecuting, 0, bpExecutionLost;
+        IDelete bpMotorsLost;
+        CONNECT bpMotorsLost WITH BpLostTrap;
+        ISignalDO doBpMotorOn, 0, bpMotorsLost;
+        IDelete bpRunchainLost;
+        CONNECT bpRunchainLost WITH BpLostTrap;
+        ISignalDO doBpRunchainOk, 0, bpRunchainLost;
+        IDelete bpEmergency;
+        CONNECT bpEmergency WITH BpLostTrap;
+        ISignalDO doBpEmStop, 1, bpEmergency;
+        IDelete bpWatchdogDue;
+        CONNECT bpWatchdogDue WITH BpWatchdogTrap;
+        ITimer BP_WATCHDOG / 4, bpWatchdogDue;
+    ENDPROC
+
+    TRAP BpLostTrap
+        VAR num reason;
+
+        reason := BpForbidden();
+        IF reason = 0 reason := BP_PROGRAM_STOPPED;
+        BpHoldPath reason;
+    ENDTRAP
+
+    ! The second look at the client: for when the first one waits in a socket.
+    TRAP BpWatchdogTrap
+        IF bpHasMonitor AND bpBase + ClkRead(bpClock \HighRes) - bpHeard > 1.5 * BP_WATCHDOG THEN
+            BpHoldPath BP_CLIENT_SILENT;
+            SocketClose bpMonitorClient;
+        ENDIF
+    ERROR
+        TRYNEXT;
+    ENDTRAP
+
     ! Connections ------------------------------------------------------------------------------
 
     PROC BpAwaitMonitor()
         VAR string peer;
-        VAR bool isHere;
+        VAR num seen := -1;
 
-        WHILE NOT BpListen(bpMonitorListener, BP_MONITOR_PORT) DO
-            BpWatch;
-            WaitTime 0.5;
-        ENDWHILE
-        WHILE NOT isHere DO
-            isHere := BpComes(peer);
+        WHILE seen <= 0 DO
+            IF seen < 0 BpListenAgain;
+            seen := BpComes(peer);
             BpReadClock;
             BpWatch;
         ENDWHILE
+        SocketClose bpMonitorListener;
         IF BpMayConnect(peer) THEN
-            SocketClose bpMonitorListener;
             bpEpoch := bpEpoch + 1;
             IF bpEpoch > BP_MAX_COUNT bpEpoch := 1;
+            bpHeard := bpNow;
             bpHasMonitor := TRUE;
         ELSE
             TPWrite "binpick: refused " + peer;
             SocketClose bpMonitorClient;
-            SocketClose bpMonitorListener;
         ENDIF
     ENDPROC
 
-    FUNC bool BpComes(INOUT string peer)
+    PROC BpListenAgain()
+        WHILE NOT BpListen(bpMonitorListener, BP_MONITOR_PORT) DO
+            BpReadClock;
+            BpWatch;
+            WaitTime 0.1;
+        ENDWHILE
+    ENDPROC
+
+    ! 1: a client; 0: nobody yet; -1: the listener is broken.
+    FUNC num BpComes(INOUT string peer)
         SocketAccept bpMonitorListener, bpMonitorClient \ClientAddress:=peer \Time:=0.05;
-        RETURN TRUE;
+        RETURN 1;
     ERROR
-        RETURN FALSE;
+        IF ERRNO = ERR_SOCK_TIMEOUT RETURN 0;
+        RETURN -1;
     ENDFUNC
 
     ! The client is lost: so is the right to move.

@@ -57,7 +57,11 @@ MODULE BinpickMotion
         ClearPath;
         StartMove;
         bpClearedTick := bpStopTick;
-        IF bpActive <> 0 RAISE BP_STOPPED_ERR;
+        IF bpActive <> 0 THEN
+            ! Raised once only: more stops may wait, and must not raise in the handler.
+            bpActive := 0;
+            RAISE BP_STOPPED_ERR;
+        ENDIF
     ERROR
         IF ERRNO = BP_STOPPED_ERR RAISE;
         TRYNEXT;
@@ -80,7 +84,7 @@ MODULE BinpickMotion
         ENDIF
     ERROR
         BpDropClient;
-        TRYNEXT;
+        RETURN;
     ENDPROC
 
     PROC BpDropClient()

@@ -20,7 +20,6 @@ async def moving(cell):
     return motion
 
 
-@pytest.mark.xfail(strict=True, reason="nothing stops the arm when only the motion link is lost")
 @pytest.mark.parametrize("spoil", ["abort", "rubbish"])
 def test_the_motion_connection_alone_is_lost_in_a_move(spoil):
     async def main(cell):
@@ -38,7 +37,6 @@ def test_the_motion_connection_alone_is_lost_in_a_move(spoil):
     run(main)
 
 
-@pytest.mark.xfail(strict=True, reason="a RUN whose answer is still to come is not stopped")
 def test_a_move_given_up_while_it_begins_leaves_the_arm_still():
     moved_ms = []
     for tenths in range(1, 12, 2):
@@ -72,9 +70,6 @@ def test_a_move_given_up_later_leaves_the_arm_still_and_the_driver_well(first_ms
     run(main)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the connection and its heartbeat live on: nobody else gets in"
-)
 @pytest.mark.parametrize("after_s", [0.0001, 0.0005])
 def test_an_open_that_was_given_up_leaves_nothing_behind(after_s):
     async def main(cell):
@@ -96,7 +91,6 @@ def test_an_open_that_was_given_up_leaves_nothing_behind(after_s):
     run(main)
 
 
-@pytest.mark.xfail(strict=True, reason="both join the session, and one of them never leaves")
 def test_opening_twice_at_once_is_closed_once():
     async def main(cell):
         await cell.robot.close()
@@ -112,9 +106,6 @@ def test_opening_twice_at_once_is_closed_once():
     run(main)
 
 
-@pytest.mark.xfail(
-    strict=True, raises=LinkError, reason="both connect; the second is refused as another client"
-)
 def test_a_setting_and_a_move_at_once_on_a_new_connection():
     async def main(cell):
         await cell.robot.close()
