@@ -154,6 +154,8 @@ class Controller:
         for warning in self.system.load():
             self.log.write(EventKind.WARNING, 4, 225, "Load warning", [str(warning)])
         self.system.restore(self._kept)
+        for loaded in self.system.tasks.values():
+            loaded.settled = self._in_position if loaded.has_motion else None
         self._is_on = True
         self._panel.power_on()
         self._inputs = SystemInputs(self.setup.system_inputs, self.signals, actions_of(self))
@@ -190,6 +192,12 @@ class Controller:
         self._build()
         self._kept = kept
         await self.power_on()
+
+    async def _in_position(self) -> None:
+        """Until the arm stands at the end of its path."""
+        if self.unit.moves:
+            await self.unit.ended(self.unit.moves[-1])
+        await self.unit.standing()
 
     async def __aenter__(self) -> Self:
         await self.power_on()

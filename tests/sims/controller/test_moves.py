@@ -301,3 +301,15 @@ def test_move_l_do_sets_its_output_in_the_corner(bench):
         assert before == pytest.approx(after, abs=1.6)  # half round, by joints
 
     made.run(play)
+
+
+@pytest.mark.parametrize("line", ["WaitTime \\InPos, 0;", "WaitUntil \\InPos, TRUE;"])
+def test_waits_in_position_begin_where_the_arm_stands(bench, line):
+    made = bench(program("MoveL Offs(p0, 0, 200, 0), v200, z20, tTool;", line, "phase := 1;"))
+
+    async def play(b):
+        await b.start()
+        await b.until(lambda: b.value("phase") >= 1)
+        assert b.place * 1e3 == pytest.approx(np.array(b.value("p0")[0]) + (0, 200, 0), abs=0.05)
+
+    made.run(play)

@@ -294,10 +294,11 @@ def test_pp_to_main_is_refused_while_the_program_runs(bench):
 def test_a_warm_start_loads_everything_anew(bench):
     async def play(b):
         await half_way(b)
+        assert b.value("p0")[0] != [0, 0, 0]
         await b.controller.restart()
         await stands(b)
         assert not b.controller.is_running
-        assert b.value("phase") == 0
+        assert b.value("p0")[0] == [0, 0, 0]
         await b.start()
         await b.ended()
         assert b.value("phase") == 99
