@@ -13,7 +13,7 @@ __all__ = ["Interrupt", "Interrupts"]
 
 MAX_QUEUED = 100
 MAX_CONNECTED = 70
-CALLED = 0  # no interrupt has this number
+CALLED = -1  # no interrupt has this number, nor does a variable that was not connected
 
 Cancel = Callable[[], None]
 
@@ -134,7 +134,7 @@ class Interrupts:
         number, self.data = self._queue.popleft()
         self.in_trap = True
         if number == CALLED:
-            return Interrupt(CALLED, self.data)
+            return Interrupt(0, self.data)
         return self._known[number]
 
     def end_trap(self) -> None:

@@ -48,7 +48,7 @@ _FAMILIES = {
         SiSetCyclic ReadVarArr WriteVarArr PPMovedInManMode ResetPPMoved CheckProgRef
     """,
     "raising to and asking about callers": """
-        RaiseToUser ArgName StartMoveRetry
+        RaiseToUser ArgName
     """,
     "independent axes": """
         IndAMove IndCMove IndDMove IndRMove IndReset IndInpos IndSpeed

@@ -32,6 +32,12 @@ def start_move(task: TaskContext, *, allmotiontasks: bool = False) -> None:
     mechanics_of(task).unit.release(reason)
 
 
+@builtin("PROC StartMoveRetry(\\switch AllMotionTasks)", Legal.HANDLER)
+def start_move_retry(task: TaskContext, *, allmotiontasks: bool = False) -> None:
+    """Go on after StopMove; the compiler makes a RETRY follow."""
+    start_move(task, allmotiontasks=allmotiontasks)
+
+
 @builtin("PROC StopMoveReset(\\switch AllMotionTasks)")
 def stop_move_reset(task: TaskContext, *, allmotiontasks: bool = False) -> None:
     """Forget that StopMove was called, and the path with it."""

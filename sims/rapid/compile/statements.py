@@ -164,6 +164,8 @@ class Statements:
             self._do(f"return T.wait({bound}(C{arguments}), @own, @next, None, None)")
             return
         self._do(f"{bound}(C{arguments})", LOOK_UP)
+        if routine.name == "StartMoveRetry":
+            self._do("return T.retry()")
 
     def _wait_until(self, routine: BuiltinRoutine, node: ast.ProcCall) -> None:
         """The condition is evaluated anew at each look."""

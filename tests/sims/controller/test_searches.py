@@ -123,3 +123,27 @@ def test_a_persistent_may_be_searched_for_on_a_circle(bench):
 def test_an_output_or_a_variable_is_no_target_of_a_search(bench):
     b = search(bench, f"SearchL \\Stop, do1, found, {FOUND};")
     assert b.value("phase") == 0
+
+
+def test_a_search_is_tried_again_from_its_handler(bench):
+    handler = """
+        errno_seen := errno_seen + 1;
+        IF errno_seen > 2 TRYNEXT;
+        StorePath; MoveL p0, v500, fine, tTool; RestoPath;
+        StartMoveRetry;
+    """
+    made = bench(DATA + program(f"SearchL \\Stop, di1, found, {FOUND};", errors=handler))
+
+    async def play(b):
+        await b.start()
+        await b.until(lambda: b.value("errno_seen") == 1)
+        await b.until(lambda: depth(b, b.place[2] * 1e3) < 1)
+        await b.until(lambda: depth(b, b.place[2] * 1e3) > 80)
+        b.controller.set_input("di1", 1)
+        await b.ended()
+        return b
+
+    b = made.run(play)
+    assert b.value("errno_seen") == 1
+    assert b.value("phase") == 99
+    assert depth(b, b.value("found")[0][2]) == pytest.approx(80, abs=1.0)

@@ -25,17 +25,28 @@ def drive(bench, *lines, data="", signal="do1"):
 DOWN = "Offs(p0, 0, 0, -150)"
 
 
-def test_a_procedure_is_called_in_the_middle_of_the_corner(bench):
-    data = "PROC here()\nSetDO do1, 1;\ncount := count + 1;\nENDPROC\n"
-    b, depths = drive(
+def test_a_procedure_waits_while_interrupts_are_disabled(bench):
+    data = "PROC here()\ncount := count + 1;\nENDPROC\n"
+    b, _ = drive(
         bench,
         f'MoveLSync {DOWN}, v200, z20, tTool, "here";',
-        "phase := 1;",
+        "IDisable;",
         "MoveL Offs(p0, 0, 150, -150), v200, fine, tTool;",
-        data="PERS num count := 0;\n" + data,
+        "before := count; IDelete never; IEnable;",
+        "WaitTime 0.1;",
+        data="PERS num count := 0; VAR intnum never; VAR num before;\n" + data,
     )
-    assert b.value("count") == 1
-    assert depths[0] == pytest.approx(147, abs=4)
+    assert (b.value("before"), b.value("count")) == (0, 1)
+
+
+def test_a_procedure_is_called_in_the_middle_of_the_corner(bench):
+    _, depths = drive(
+        bench,
+        f'MoveLSync {DOWN}, v200, z20, tTool, "here";',
+        "MoveL Offs(p0, 0, 150, -150), v200, fine, tTool;",
+        data="PROC here()\nSetDO do1, 1;\nENDPROC\n",
+    )
+    assert depths == [pytest.approx(147, abs=4)]
 
 
 @pytest.mark.parametrize("move", [f"MoveJSync {DOWN}", f"MoveCSync Offs(p0,0,75,-75), {DOWN}"])
