@@ -45,16 +45,15 @@ def test_pdispon_takes_the_programmed_point_to_where_the_tool_is(bench):
 def test_with_rot_the_displacement_turns_what_is_programmed(bench):
     b = run(
         bench,
-        "turned := p0; turned.rot := p0.rot * OrientZYX(30, 0, 0);",
+        "turned := Offs(p0, 0, 20, 0); turned.rot := p0.rot * OrientZYX(30, 0, 0);",
         "PDispOn \\Rot \\ExeP:=turned, p0, tTool;",
-        "MoveJ Offs(p0, 0, 0, -50), v500, fine, tTool;",
-        "shown := C_PROGDISP.pdisp;",
-        data="VAR robtarget turned; VAR pose shown;",
+        "MoveJ Offs(p0, 60, 0, -50), v500, fine, tTool;",
+        data="VAR robtarget turned;",
     )
-    start, pose = b.value("p0"), b.value("shown")
-    expected = np.array(q.rotated(pose[1], np.array(start[0]) + (0, 0, -50))) + pose[0]
+    start, turned = b.value("p0"), b.value("turned")
+    turn = q.product(turned[1], q.conjugate(start[1]))
+    expected = np.array(turned[0]) + q.rotated(turn, [60, 0, -50])
     assert b.place * 1e3 == pytest.approx(expected, abs=0.05)
-    assert pose[1][0] == pytest.approx(np.cos(np.radians(15)), abs=1e-4)
 
 
 def test_axis_moves_are_not_displaced_and_pp_to_main_ends_it(bench):

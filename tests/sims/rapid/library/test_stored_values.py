@@ -62,7 +62,7 @@ def test_a_saved_module_has_the_values_of_its_persistents_and_loads_again(tmp_pa
     text = "\n".join(
         [
             "MODULE Kept",
-            'PERS num a := 1; ! one; "',
+            'PERS num a := 1.000000000000000000000000; ! one; "',
             'PERS string s:="x;y" ; PERS num b{2}:=[1,',
             "  2]; ! two",
             "LOCAL PERS num c := 1 + 2;",
