@@ -2,6 +2,7 @@
 
 import asyncio
 import multiprocessing
+import signal
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -55,6 +56,7 @@ def controller_process() -> Iterator[dict[int, int]]:
     context = multiprocessing.get_context("spawn")
     process = context.Process(target=_serve, args=(theirs,), daemon=True)
     process.start()
+    theirs.close()  # so that its end is seen here
     try:
         yield ours.recv()
     finally:
@@ -63,6 +65,7 @@ def controller_process() -> Iterator[dict[int, int]]:
 
 
 def _serve(pipe: Connection) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the bench ends it
     world = World()
     loop = PacedLoop(world)
     controller, connector = loopback_controller(world)

@@ -5,6 +5,7 @@ The peer is a process of its own that answers every request at once with bytes m
 
 import asyncio
 import multiprocessing
+import signal
 import socket
 import struct
 import time
@@ -55,6 +56,7 @@ ANSWERS = {
 
 def serve(pipe: Connection) -> None:
     """Answer clients, one after the other, until killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the bench ends it
     with socket.create_server((LOOPBACK, 0)) as listener:
         pipe.send(listener.getsockname()[1])
         while True:
@@ -87,6 +89,7 @@ def scripted_peer() -> Iterator[int]:
         target=serve, args=(theirs,), daemon=True
     )
     process.start()
+    theirs.close()  # so that its end is seen here
     try:
         yield int(ours.recv())
     finally:

@@ -255,13 +255,17 @@ MODULE BinpickMonitor
     ! Brakes on the path, and demands that it is cleared.
     PROC BpHoldPath(num reason)
         bpHold := reason;
-        IF NOT bpIsHeld THEN
-            bpIsHeld := TRUE;
-            StopMove \Quick \AllMotionTasks;
-        ENDIF
+        BpBrake;
         BpDemand;
+    ENDPROC
+
+    ! What fails is tried again at the next look around.
+    PROC BpBrake()
+        IF bpIsHeld RETURN;
+        StopMove \Quick \AllMotionTasks;
+        bpIsHeld := TRUE;
     ERROR
-        TRYNEXT;
+        RETURN;
     ENDPROC
 
     PROC BpDemand()
@@ -284,6 +288,7 @@ MODULE BinpickMonitor
         VAR num reason;
 
         reason := BpForbidden();
+        IF bpHold <> 0 BpBrake;
         IF reason <> 0 THEN
             IF bpHold <> reason BpHoldPath reason;
             IF doBpStill = 1 BpAnswerStop;
@@ -487,6 +492,7 @@ MODULE BinpickMonitor
     PROC BpBeginWait(num seq)
         VAR num at := 0;
         VAR num which;
+        VAR num count;
 
         IF RawBytesLen(bpMonitorData) <> 7 THEN
             BpRefuse bpMonitorClient, bpMonitorData, seq, BP_BAD_LENGTH, 0;
@@ -496,9 +502,11 @@ MODULE BinpickMonitor
             IF wSeq{i} = 0 at := i;
         ENDFOR
         which := BpByte(bpMonitorData, 2);
+        count := Dim(BP_INPUTS, 1);
+        IF BpByte(bpMonitorData, 1) = 1 count := Dim(BP_OUTPUTS, 1);
         IF at = 0 THEN
             BpRefuse bpMonitorClient, bpMonitorData, seq, BP_QUEUE_FULL, 0;
-        ELSEIF which < 1 OR which > Dim(BP_INPUTS, 1) OR NOT BpIsNumber(BpFloat(bpMonitorData, 4)) THEN
+        ELSEIF which < 1 OR which > count OR NOT BpIsNumber(BpFloat(bpMonitorData, 4)) THEN
             BpRefuse bpMonitorClient, bpMonitorData, seq, BP_NO_SIGNAL, 0;
         ELSE
             wSeq{at} := seq;

@@ -53,28 +53,43 @@ MODULE BinpickMotion
 
     ! The monitor holds the path already; here it is emptied, and the motion under way is left.
     TRAP BpStopTrap
-        StopMove \Quick;
-        ClearPath;
-        StartMove;
-        bpClearedTick := bpStopTick;
+        BpMeetStop;
         IF bpActive <> 0 THEN
             ! Raised once only: more stops may wait, and must not raise in the handler.
             bpActive := 0;
             RAISE BP_STOPPED_ERR;
         ENDIF
     ERROR
-        IF ERRNO = BP_STOPPED_ERR RAISE;
-        TRYNEXT;
+        RAISE;
     ENDTRAP
+
+    ! Empties the path. What fails is demanded again.
+    PROC BpMeetStop()
+        VAR num tick;
+
+        tick := bpStopTick;
+        IF tick = bpClearedTick RETURN;
+        StopMove \Quick;
+        ClearPath;
+        StartMove;
+        bpClearedTick := tick;
+    ERROR
+        RETURN;
+    ENDPROC
 
     ! One client at a time: while one is connected nobody listens, so a second one is refused.
     PROC BpAwaitClient()
         VAR string peer;
+        VAR bool isHere := FALSE;
 
         WHILE NOT BpListen(bpMotionListener, BP_MOTION_PORT) DO
-            WaitTime 0.5;
+            WaitTime 0.1;
         ENDWHILE
-        SocketAccept bpMotionListener, bpMotionClient \ClientAddress:=peer \Time:=WAIT_MAX;
+        WHILE NOT isHere DO
+            ! Looked at here too: for when interrupts do not come while a socket waits.
+            BpMeetStop;
+            isHere := BpMotionComes(peer);
+        ENDWHILE
         IF BpMayConnect(peer) THEN
             SocketClose bpMotionListener;
             bpHasMotion := TRUE;
@@ -86,6 +101,14 @@ MODULE BinpickMotion
         BpDropClient;
         RETURN;
     ENDPROC
+
+    FUNC bool BpMotionComes(INOUT string peer)
+        SocketAccept bpMotionListener, bpMotionClient \ClientAddress:=peer \Time:=0.2;
+        RETURN TRUE;
+    ERROR
+        IF ERRNO = ERR_SOCK_TIMEOUT RETURN FALSE;
+        RAISE;
+    ENDFUNC
 
     PROC BpDropClient()
         bpHasMotion := FALSE;
@@ -107,7 +130,8 @@ MODULE BinpickMotion
             ! Below 0: nothing has come.
             kind := -1;
             wrong := 0;
-            wrong := BpReceive(bpMotionClient, bpMotionData, kind, seq, 1);
+            BpMeetStop;
+            wrong := BpReceive(bpMotionClient, bpMotionData, kind, seq, 0.2);
             IF wrong <> 0 THEN
                 BpRefuse bpMotionClient, bpMotionData, seq, wrong, 0;
                 RETURN;
