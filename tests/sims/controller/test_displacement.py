@@ -47,6 +47,7 @@ def test_with_rot_the_displacement_turns_what_is_programmed(bench):
         bench,
         "turned := Offs(p0, 0, 20, 0); turned.rot := p0.rot * OrientZYX(30, 0, 0);",
         "PDispOn \\Rot \\ExeP:=turned, p0, tTool;",
+        "ConfJ \\Off;",
         "MoveJ Offs(p0, 60, 0, -50), v500, fine, tTool;",
         data="VAR robtarget turned;",
     )
