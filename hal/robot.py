@@ -59,6 +59,41 @@ class RobotLimits:
             if not lower <= q <= upper:
                 raise ValueError(f"joint {axis}: {q:.4f} rad is outside {lower:.4f}..{upper:.4f}")
 
+    def check_load(self, load: "Load") -> None:
+        """Refuse a load above the payload.
+
+        Raises
+        ------
+        ValueError
+            Too heavy.
+        """
+        if load.mass_kg > self.payload_kg:
+            raise ValueError(
+                f"load {load.mass_kg:g} kg is above the payload of {self.payload_kg:g} kg"
+            )
+
+    def check_target(self, target: "Target") -> None:
+        """Refuse what can be seen to be wrong without looking at the way.
+
+        Raises
+        ------
+        ValueError
+            Joints outside the ranges, speed above the arm's, other frames than base and tcp.
+        """
+        if isinstance(target, JointTarget):
+            self.check_joints(target.joints_rad)
+            return
+        if target.speed_mps > self.tcp_speed_mps:
+            raise ValueError(f"speed {target.speed_mps:g} m/s is above {self.tcp_speed_mps:g} m/s")
+        poses = [target.T_base_tcp]
+        if isinstance(target, CircularTarget):
+            poses.append(target.T_base_via)
+        for pose in poses:
+            if (pose.parent, pose.child) != ("base", "tcp"):
+                raise ValueError(
+                    f"a target relates base and tcp, not {pose.parent} and {pose.child}"
+                )
+
 
 @dataclass(frozen=True)
 class Load:
@@ -78,6 +113,11 @@ class Tool:
 
     T_flange_tcp: Transform
     load: Load = field(default_factory=Load)
+
+    def __post_init__(self) -> None:
+        frames = (self.T_flange_tcp.parent, self.T_flange_tcp.child)
+        if frames != ("flange", "tcp"):
+            raise ValueError(f"a tool relates flange and tcp, not {frames[0]} and {frames[1]}")
 
 
 @dataclass(frozen=True)

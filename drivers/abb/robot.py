@@ -21,7 +21,7 @@ from drivers.abb.messages import (
 from drivers.abb.motion import MotionLink
 from drivers.abb.reach import Reach
 from drivers.abb.session import MONITOR_PORT, MOTION_PORT, Session
-from drivers.abb.targets import MAX_TARGETS, check_target, pose_numbers, triple, wire_targets
+from drivers.abb.targets import MAX_TARGETS, pose_numbers, triple, wire_targets
 from drivers.arms import ARMS, Kinematics
 from drivers.transports import Connector
 from hal import (
@@ -129,18 +129,15 @@ class RapidRobot(Robot):
                 f"{len(targets)} targets; the controller queues {MAX_TARGETS} a motion"
             )
         for target in targets:
-            check_target(target, self.limits)
+            self.limits.check_target(target)
         return Motion(self._move(list(targets)), name=f"{self.name} move")
 
     def set_tool(self, tool: Tool) -> Motion[None]:
-        frames = (tool.T_flange_tcp.parent, tool.T_flange_tcp.child)
-        if frames != ("flange", "tcp"):
-            raise ValueError(f"a tool relates flange and tcp, not {frames[0]} and {frames[1]}")
-        self._check_load(tool.load)
+        self.limits.check_load(tool.load)
         return Motion(self._set_tool(tool), name=f"{self.name} set_tool")
 
     def set_load(self, load: Load) -> Motion[None]:
-        self._check_load(load)
+        self.limits.check_load(load)
         return Motion(self._set_load(load), name=f"{self.name} set_load")
 
     def set_work_object(self, T_base_object: Transform) -> Motion[None]:
@@ -297,12 +294,6 @@ class RapidRobot(Robot):
         return self._link
 
     # What is allowed, and what is told.
-
-    def _check_load(self, load: Load) -> None:
-        if load.mass_kg > self.limits.payload_kg:
-            raise ValueError(
-                f"load {load.mass_kg:g} kg is above the payload of {self.limits.payload_kg:g} kg"
-            )
 
     def _check_idle(self, what: str) -> None:
         if self._is_busy:

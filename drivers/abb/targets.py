@@ -9,33 +9,12 @@ from numpy.typing import NDArray
 from drivers.abb.messages import AddCircular, AddJoint, AddLinear, Message, Quaternion, Triple
 from drivers.abb.reach import confdata
 from drivers.arms import ArmModel
-from hal import CircularTarget, JointTarget, RobotLimits, Target, Transform
+from hal import CircularTarget, JointTarget, Target, Transform
 
-__all__ = ["MAX_TARGETS", "check_target", "pose_numbers", "triple", "wire_targets"]
+__all__ = ["MAX_TARGETS", "pose_numbers", "triple", "wire_targets"]
 
 # BP_QUEUE of the controller package.
 MAX_TARGETS = 50
-
-
-def check_target(target: Target, limits: RobotLimits) -> None:
-    """Refuse what can be seen to be wrong before anything is sent.
-
-    Raises
-    ------
-    ValueError
-        Joints outside the ranges, speed above the arm's, other frames than base and tcp.
-    """
-    if isinstance(target, JointTarget):
-        limits.check_joints(target.joints_rad)
-        return
-    if target.speed_mps > limits.tcp_speed_mps:
-        raise ValueError(f"speed {target.speed_mps:g} m/s is above {limits.tcp_speed_mps:g} m/s")
-    poses = [target.T_base_tcp]
-    if isinstance(target, CircularTarget):
-        poses.append(target.T_base_via)
-    for pose in poses:
-        if (pose.parent, pose.child) != ("base", "tcp"):
-            raise ValueError(f"a target relates base and tcp, not {pose.parent} and {pose.child}")
 
 
 def wire_targets(

@@ -5,9 +5,7 @@ from collections.abc import Sequence
 
 from drivers.arms import Kinematics
 from hal import (
-    CircularTarget,
     Identity,
-    JointTarget,
     Load,
     Motion,
     OperatingMode,
@@ -73,45 +71,19 @@ class DirectRobot(Robot):
         if not targets:
             raise ValueError("no targets")
         for target in targets:
-            self._check_target(target)
+            self.limits.check_target(target)
         return Motion(self._move(list(targets)), name=f"{self.name} move")
 
     def set_tool(self, tool: Tool) -> Motion[None]:
-        frames = (tool.T_flange_tcp.parent, tool.T_flange_tcp.child)
-        if frames != ("flange", "tcp"):
-            raise ValueError(f"a tool relates flange and tcp, not {frames[0]} and {frames[1]}")
-        self._check_load(tool.load)
+        self.limits.check_load(tool.load)
         return Motion(self._set_tool(tool), name=f"{self.name} set_tool")
 
     def set_load(self, load: Load) -> Motion[None]:
-        self._check_load(load)
+        self.limits.check_load(load)
         return Motion(self._set_load(load), name=f"{self.name} set_load")
 
     def stop(self) -> Motion[RobotState]:
         return Motion(self._stop(), name=f"{self.name} stop")
-
-    def _check_target(self, target: Target) -> None:
-        if isinstance(target, JointTarget):
-            self.limits.check_joints(target.joints_rad)
-            return
-        if target.speed_mps > self.limits.tcp_speed_mps:
-            raise ValueError(
-                f"speed {target.speed_mps:g} m/s is above {self.limits.tcp_speed_mps:g} m/s"
-            )
-        poses = [target.T_base_tcp]
-        if isinstance(target, CircularTarget):
-            poses.append(target.T_base_via)
-        for pose in poses:
-            if (pose.parent, pose.child) != ("base", "tcp"):
-                raise ValueError(
-                    f"a target relates base and tcp, not {pose.parent} and {pose.child}"
-                )
-
-    def _check_load(self, load: Load) -> None:
-        if load.mass_kg > self.limits.payload_kg:
-            raise ValueError(
-                f"load {load.mass_kg:g} kg is above the payload of {self.limits.payload_kg:g} kg"
-            )
 
     def _check_may_move(self) -> None:
         safety = self._world.cabinet.safety
