@@ -82,6 +82,11 @@ class MechanicalUnit:
         return not self.is_driving and self._world.arm.is_standing
 
     @property
+    def is_about_to_drive(self) -> bool:
+        """Whether moves are queued that the next tick begins."""
+        return self._is_changed and bool(self.moves) and not self.holds and self.ratio > 0
+
+    @property
     def has_come_to_rest(self) -> bool:
         """The same, remembered until the arm is driven again: cheap enough for every tick."""
         if self.is_driving:
@@ -187,8 +192,8 @@ class MechanicalUnit:
         return self._is_changed or player is None or player.remaining_s > AHEAD_S
 
     async def standing(self) -> None:
-        """Wait until the arm rests."""
-        if not self.is_standing:
+        """Wait until the arm rests; one that is about to go goes first."""
+        if not self.is_standing or self.is_about_to_drive:
             future: asyncio.Future[None] = asyncio.get_running_loop().create_future()
             self._standing.append(future)
             await future

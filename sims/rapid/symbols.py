@@ -235,7 +235,14 @@ class ModuleScope:
         return self.data.get(name) or self.program.data.get(name)
 
     def find_routine(self, name: str) -> Routine | BuiltinRoutine | None:
-        """A routine by lower-case name: of this module, of the task, then built in."""
+        """A routine by lower-case name: of this module, of the task, then built in.
+
+        ``module:routine`` names a module's own, a LOCAL one too.
+        """
+        where, colon, own = name.partition(":")
+        if colon:
+            scope = self.program.modules.get(where.strip())
+            return scope.routines.get(own.strip()) if scope is not None else None
         return (
             self.routines.get(name)
             or self.program.routines.get(name)
