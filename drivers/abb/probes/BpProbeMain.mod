@@ -5,6 +5,7 @@ MODULE BpProbeMain
     bpNumbers;
     bpStrings;
     bpErrors;
+    bpTraps;
     bpData;
     bpNote "end", "reached";
     EXIT;
