@@ -53,6 +53,7 @@ class Task:
         self.program = program
         self.entry = entry
         self.state = TaskState.STOPPED
+        self._stops_at_main = False
         self.is_cyclic = True
         self.has_begun = False
         self.event = 0.0
@@ -145,8 +146,12 @@ class Task:
 
     def stop(self) -> None:
         """Stop between statements. What waits goes on waiting; its result is kept for a start."""
-        if self.state is TaskState.STARTED and self.machine.halt is None:
+        if self.state is not TaskState.STARTED:
+            return
+        if self.machine.halt is None:
             self.machine.request(Halt.STOP)
+        elif self.machine.halt is Halt.EXIT_CYCLE:
+            self._stops_at_main = True
 
     async def stopped(self) -> None:
         """Until it does not execute."""
@@ -341,7 +346,10 @@ class Task:
     def _next_cycle(self) -> None:
         self.machine.halt = None
         self.machine.begin(self._routine(self.entry))
-        if self.is_cyclic:
+        stops, self._stops_at_main = self._stops_at_main, False
+        if stops:
+            self._report(Halt.STOP)
+        elif self.is_cyclic:
             self.start()
 
     # Reports.
@@ -360,8 +368,6 @@ class Task:
         log_crash(self.host, self.name, error, self.pointer)
         self.halted(self, Halt.ERROR)
 
-    # Helpers.
-
     def _routine(self, name: str) -> Routine:
         for scope in self.program.modules.values():
             routine = scope.routines.get(name.lower())
@@ -376,8 +382,7 @@ class Task:
     def _forget_services(self) -> None:
         services, self.services = self.services, {}
         for service in services.values():
-            close = getattr(service, "close", None)
-            if close is not None:
+            if (close := getattr(service, "close", None)) is not None:
                 close()
 
     def persistents(self) -> dict[str, Cell]:

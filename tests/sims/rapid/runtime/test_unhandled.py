@@ -1,3 +1,5 @@
+import asyncio
+
 import pytest
 
 from tests.sims.rapid.runtime.bench import play, result, run, value
@@ -234,3 +236,17 @@ def test_a_function_without_return_is_fatal_for_the_program():
         """
     )
     assert system.tasks["T_ROB1"].has_failed
+
+
+@pytest.mark.parametrize("after_us", range(950, 1150, 10))
+def test_a_stop_while_exitcycle_goes_to_main_is_not_lost(after_us):
+    async def script(system):
+        (task,) = system.tasks.values()
+        task.start()
+        await asyncio.sleep(after_us / 1e6)
+        task.stop()
+        await asyncio.sleep(0.01)
+        assert not task.is_running
+        task.pp_to_main()
+
+    play(script, "PROC main()\n WHILE TRUE DO\n ExitCycle;\n ENDWHILE\nENDPROC")
