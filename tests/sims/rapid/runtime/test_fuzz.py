@@ -122,6 +122,7 @@ def test_a_random_program_ends_with_an_error_of_its_own_or_goes_on(bodies, handl
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(600)
 @settings(max_examples=1500)
 @given(four_bodies, three_handlers)
 def test_so_do_very_many(bodies, handlers):
