@@ -28,7 +28,6 @@ __all__ = ["run"]
 QUESTIONS = 2000
 STATES_S = 20.0
 STATE_PERIOD_S = 0.04
-HOME_RAD = (0.0, 0.0, 0.0, 0.0, 1.5707963, 0.0)
 
 
 def run(*, seeds: Sequence[int], part: Any, count: int) -> list[Figure]:
@@ -84,7 +83,7 @@ def _serve(pipe: Connection) -> None:
 async def _ask(ports: dict[int, int]) -> list[Figure]:
     connector = TcpConnector(LOOPBACK, ports)
     robot = RapidRobot(connector)
-    times, idle = [], []
+    times = []
     async with robot:
         for _ in range(QUESTIONS):
             began = time.perf_counter()

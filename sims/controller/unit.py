@@ -253,10 +253,6 @@ class MechanicalUnit:
         self.holds.discard(reason)
         self._is_changed = True
 
-    def pace_changed(self) -> None:
-        """``ratio`` or ``most_mps`` was set."""
-        self._is_changed = True
-
     # Each tick.
 
     def tick(self) -> None:

@@ -62,11 +62,6 @@ class WayPlayer:
         return (self._last - self._begun - self._row) * self._tick_s
 
     @property
-    def is_braking(self) -> bool:
-        """Whether it comes to a stand before the end of the way."""
-        return self._is_braking
-
-    @property
     def is_done(self) -> bool:
         """Whether the last set-point has been given."""
         return self._begun + self._row >= self._last

@@ -58,11 +58,6 @@ class Type:
         return None
 
     @property
-    def is_composite(self) -> bool:
-        """Whether a value is a list."""
-        return self.kind is Kind.RECORD
-
-    @property
     def is_number(self) -> bool:
         """Whether arithmetic is defined."""
         return self.kind in {Kind.NUM, Kind.DNUM}

@@ -10,7 +10,7 @@ from sims.loop import LockstepLoop
 from sims.rapid.network import MemoryNetwork
 from sims.world import World
 
-__all__ = ["HOME", "THERE", "Cell", "run"]
+__all__ = ["HOME", "THERE", "Cell", "moving", "run", "stays_short_of_there"]
 
 HOME = (0.0, 0.0, 0.0, 0.0, 1.5707963, 0.0)
 THERE = (0.5, 0.0, 0.0, 0.0, 1.5707963, 0.0)
@@ -57,6 +57,19 @@ class Cell:
         await self.robot.move_joints(HOME)
         state = await self.robot.move_joints(THERE, speed=0.5)
         return abs(state.joints_rad[0] - THERE[0]) < 1e-3
+
+
+async def moving(cell, *, speed=0.1):
+    """Begin a motion to ``THERE`` that takes seconds, and return it on its way."""
+    motion = cell.robot.move_joints(THERE, speed=speed)
+    await asyncio.sleep(0.3)
+    assert cell.world.arm.is_following
+    return motion
+
+
+async def stays_short_of_there(cell):
+    """Whether the arm was stopped on its way, and stays."""
+    return await cell.stands() and abs(cell.joints_rad[0] - THERE[0]) > 0.05
 
 
 def run(main, *, overrides=None):

@@ -17,19 +17,7 @@ from hal.errors import (
     SafetyError,
     UnreachableError,
 )
-from tests.drivers.abb.cell import HOME, THERE, run
-
-
-async def moving(cell, *, speed=0.1):
-    """Begin a motion that takes seconds."""
-    motion = cell.robot.move_joints(THERE, speed=speed)
-    await asyncio.sleep(0.3)
-    assert cell.world.arm.is_following
-    return motion
-
-
-async def not_arrived(cell):
-    return await cell.stands() and abs(cell.joints_rad[0] - THERE[0]) > 0.05
+from tests.drivers.abb.cell import HOME, THERE, moving, run, stays_short_of_there
 
 
 def test_an_emergency_stop_in_a_move():
@@ -38,7 +26,7 @@ def test_an_emergency_stop_in_a_move():
         with pytest.raises(SafetyError, match="emergency"):
             await cell.robot.move_joints(THERE, speed=0.1)
         await stopping
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         with pytest.raises(SafetyError):
             await cell.robot.move_joints(HOME)
         cell.world.cabinet.release_emergency_stop()
@@ -60,7 +48,7 @@ def test_a_guard_that_opens_in_a_move():
         cell.controller.set_guard(True)
         with pytest.raises(SafetyError, match="protective"):
             await motion
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         cell.controller.set_guard(False)
         await asyncio.sleep(0.1)
         with pytest.raises(RejectedError, match="Start"):
@@ -78,7 +66,7 @@ def test_the_key_is_turned_in_a_move():
         with pytest.raises(RejectedError) as caught:
             await motion
         assert caught.value.code == "not in auto"
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         cell.controller.set_mode(OperatingMode.AUTO)
         await asyncio.sleep(0.1)
         await cell.start()
@@ -94,12 +82,12 @@ def test_the_program_is_stopped_in_a_move_with_its_sockets_open():
         with pytest.raises(RejectedError) as caught:
             await motion
         assert caught.value.code == "program stopped"
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         assert cell.robot.is_open
         state = await cell.robot.state()  # the monitor task goes on
         assert not state.is_moving
         await cell.start()
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         assert await cell.is_well()
 
     run(main)
@@ -111,7 +99,7 @@ def test_the_controller_is_restarted_in_a_move():
         await cell.faults.restart()
         with pytest.raises(LinkError):
             await motion
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         assert not cell.robot.is_open
         await cell.start()
         assert await cell.is_well()
@@ -126,7 +114,7 @@ def test_the_arm_runs_into_something():
             await cell.robot.move_joints(THERE, speed=0.1)
         await colliding
         assert "supervision" in str(caught.value) or "program" in str(caught.value)
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         cell.controller.reset_error()
         await cell.start()
         assert await cell.is_well()
@@ -140,7 +128,7 @@ def test_all_connections_drop_in_a_move():
         cell.network.drop_all()
         with pytest.raises(LinkError):
             await motion
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         assert await cell.is_well()
 
     run(main)
@@ -152,7 +140,7 @@ def test_the_client_ends_its_side_in_a_move():
         cell.network.silence_all()
         with pytest.raises(LinkError):
             await motion
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         assert await cell.is_well()
 
     run(main)
@@ -168,7 +156,7 @@ def test_a_half_open_connection_stops_the_arm_within_the_watchdog():
         await cell.world.until(lambda: not cell.world.arm.is_following)
         took_s = asyncio.get_running_loop().time() - began
         assert 0.3 < took_s < 0.5 + 0.1 + 0.1
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         await cell.robot.close()
         assert await cell.is_well()
 
@@ -183,7 +171,7 @@ def test_a_cable_pulled_and_plugged_in_again():
             await motion
         with pytest.raises(LinkError, match="check"):
             await cell.robot.open()
-        assert await not_arrived(cell)
+        assert await stays_short_of_there(cell)
         cell.connector.mend()
         assert await cell.is_well()
 

@@ -6,18 +6,7 @@ import pytest
 
 from hal import Tool, Transform
 from hal.errors import CellError, LinkError
-from tests.drivers.abb.cell import THERE, run
-
-
-async def stays_short_of_there(cell):
-    return await cell.stands() and abs(cell.joints_rad[0] - THERE[0]) > 0.05
-
-
-async def moving(cell):
-    motion = cell.robot.move_joints(THERE, speed=0.1)
-    await asyncio.sleep(0.3)
-    assert cell.world.arm.is_following
-    return motion
+from tests.drivers.abb.cell import THERE, moving, run, stays_short_of_there
 
 
 @pytest.mark.parametrize("spoil", ["abort", "rubbish"])

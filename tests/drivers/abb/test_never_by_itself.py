@@ -11,20 +11,9 @@ from drivers.abb.codec import encode
 from hal.errors import CellError
 from sims.controller.cfg import read_cfg
 from sims.rapid.library.sockets import Sockets
-from tests.drivers.abb.cell import THERE, run
+from tests.drivers.abb.cell import moving, run, stays_short_of_there
 
 CONTROLLER = Path(__file__).parents[3] / "drivers/abb/controller"
-
-
-async def moving(cell, *, speed=0.1):
-    motion = cell.robot.move_joints(THERE, speed=speed)
-    await asyncio.sleep(0.3)
-    assert cell.world.arm.is_following
-    return motion
-
-
-async def stays_short_of_there(cell):
-    return await cell.stands() and abs(cell.joints_rad[0] - THERE[0]) > 0.05
 
 
 def stop_program(cell):

@@ -14,15 +14,7 @@ from hal.errors import (
     RejectedError,
     UnreachableError,
 )
-from tests.drivers.abb.cell import HOME, THERE, run
-
-
-async def moving(cell, *, speed=0.1):
-    """Begin a motion that takes seconds."""
-    motion = cell.robot.move_joints(THERE, speed=speed)
-    await asyncio.sleep(0.3)
-    assert cell.world.arm.is_following
-    return motion
+from tests.drivers.abb.cell import HOME, THERE, moving, run
 
 
 async def connect(cell, port):
